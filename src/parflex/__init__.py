@@ -1,0 +1,88 @@
+"""Dynamics of parallel robots with flexible platforms.
+
+import parflex as pf
+model = pf.Model(pf.robots.gough_stewart())
+model.direct(model.robot.home, forces)
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from parflex.errors import InputError, NotConverged, OutOfReach, SingularPose
+
+if TYPE_CHECKING:
+    from parflex import fe, robots
+    from parflex.body import FlexibleBody
+    from parflex.control import ComputedTorque, Controller, JointPD
+    from parflex.legs import Joint, Leg, Tip
+    from parflex.model import Model
+    from parflex.modes import Modes, Moments
+    from parflex.output import FrameOutput
+    from parflex.result import Result, load_result
+    from parflex.robot import Robot
+    from parflex.simulation import simulate
+    from parflex.state import State, Wrench
+    from parflex.trajectory import Trajectory
+
+__version__ = "0.1.0"
+
+_HOME = {  # loaded at first use, so that `import parflex` is quick
+    "ComputedTorque": "control",
+    "Controller": "control",
+    "FlexibleBody": "body",
+    "FrameOutput": "output",
+    "Joint": "legs",
+    "JointPD": "control",
+    "Leg": "legs",
+    "Model": "model",
+    "Modes": "modes",
+    "Moments": "modes",
+    "Result": "result",
+    "Robot": "robot",
+    "State": "state",
+    "Tip": "legs",
+    "Trajectory": "trajectory",
+    "Wrench": "state",
+    "load_result": "result",
+    "simulate": "simulation",
+}
+_MODULES = ("fe", "robots", "plot")
+
+__all__ = [
+    "ComputedTorque",
+    "Controller",
+    "FlexibleBody",
+    "FrameOutput",
+    "InputError",
+    "Joint",
+    "JointPD",
+    "Leg",
+    "Model",
+    "Modes",
+    "Moments",
+    "NotConverged",
+    "OutOfReach",
+    "Result",
+    "Robot",
+    "SingularPose",
+    "State",
+    "Tip",
+    "Trajectory",
+    "Wrench",
+    "fe",
+    "load_result",
+    "robots",
+    "simulate",
+]
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        return import_module(f"parflex.{name}")
+    if name in _HOME:
+        return getattr(import_module(f"parflex.{_HOME[name]}"), name)
+    raise AttributeError(f"module 'parflex' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*__all__, "__version__"])

@@ -1,0 +1,147 @@
+"""The array words that floats and symbols share.
+
+The mechanics is written once, with arrays that are built and never filled, batch axes leading.
+The same code runs on float arrays and on object arrays of symbols; only the solvers below know
+the difference: LAPACK for floats, unrolled loops for symbols.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[Any]  # floats, or an object array of symbols
+
+
+def stack(parts: Sequence[Any], axis: int = -1) -> Array:
+    """Scalars or arrays of equal trailing shape, broadcast together and stacked along a new axis."""
+    return np.stack(np.broadcast_arrays(*parts), axis=axis)
+
+
+def matrix(rows: Sequence[Sequence[Any]]) -> Array:
+    """A matrix (…, r, c) from its entries (…,)."""
+    return stack([stack(row) for row in rows], axis=-2)
+
+
+def block(rows: Sequence[Sequence[Array]]) -> Array:
+    """A matrix from blocks (…, r, c) whose leading axes are broadcast together."""
+    batch = np.broadcast_shapes(*(b.shape[:-2] for row in rows for b in row))
+    wide = [[np.broadcast_to(b, batch + b.shape[-2:]) for b in row] for row in rows]
+    return np.concatenate([np.concatenate(row, axis=-1) for row in wide], axis=-2)
+
+
+def join(parts: Sequence[Array]) -> Array:
+    """Vectors (…, n_i), leading axes broadcast together, one after the other."""
+    batch = np.broadcast_shapes(*(p.shape[:-1] for p in parts))
+    return np.concatenate([np.broadcast_to(p, batch + p.shape[-1:]) for p in parts], axis=-1)
+
+
+def block_diagonal(blocks: Array) -> Array:
+    """(…, L, a, b) blocks on the diagonal of a matrix (…, L a, L b)."""
+    count, a, b = blocks.shape[-3:]
+    spread = blocks[..., :, :, None, :] * np.eye(count)[:, None, :, None]
+    return spread.reshape(blocks.shape[:-3] + (count * a, count * b))
+
+
+def mv(a: Array, x: Array) -> Array:
+    """Matrix times vector: (…, r, c), (…, c) -> (…, r)."""
+    return np.matmul(a, x[..., None])[..., 0]
+
+
+def mtv(a: Array, x: Array) -> Array:
+    """Transposed matrix times vector: (…, r, c), (…, r) -> (…, c)."""
+    return mv(transpose(a), x)
+
+
+def transpose(a: Array) -> Array:
+    """The last two axes exchanged."""
+    return np.swapaxes(a, -1, -2)
+
+
+def dot(a: Array, b: Array) -> Array:
+    """Scalar product over the last axis."""
+    return np.sum(a * b, axis=-1)
+
+
+def cross(a: Array, b: Array) -> Array:
+    """Vector product over the last axis."""
+    a1, a2, a3 = a[..., 0], a[..., 1], a[..., 2]
+    b1, b2, b3 = b[..., 0], b[..., 1], b[..., 2]
+    return stack([a2 * b3 - a3 * b2, a3 * b1 - a1 * b3, a1 * b2 - a2 * b1])
+
+
+def skew(a: Array) -> Array:
+    """The matrix â with â b = a × b."""
+    x, y, z = a[..., 0], a[..., 1], a[..., 2]
+    return matrix([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+
+
+def contract(q: Array, tensor: Array) -> Array:
+    """Σ_k q_k tensor[k]: (…, N), (N, *shape) -> (…, *shape)."""
+    shape = tensor.shape[1:]
+    flat = np.matmul(q[..., None, :], tensor.reshape(len(tensor), math.prod(shape)))[..., 0, :]
+    return flat.reshape(q.shape[:-1] + shape)
+
+
+def without_roundoff(values: Array, scale: float | None = None, tolerance: float = 1e-13) -> Array:
+    """The float array with entries below tolerance × scale set to exact zero.
+
+    The scale is what an entry could be, by default the largest of them; a zero that is stored as
+    zero costs nothing in compiled code.
+    """
+    values = np.array(values, dtype=float)
+    if scale is None:
+        scale = float(np.max(np.abs(values), initial=0.0))
+    return np.where(np.abs(values) <= tolerance * scale, 0.0, values)
+
+
+def solve_definite(a: Array, b: Array) -> Array:
+    """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c)."""
+    if a.dtype != object:
+        return np.linalg.solve(a, b.astype(float))
+    n = a.shape[-1]
+    scaled: dict[tuple[int, int], Array] = {}  # entries of L D
+    lower: dict[tuple[int, int], Array] = {}  # entries of L, each divided once
+    for j in range(n):
+        for i in range(j, n):
+            entry = a[..., i, j]
+            for k in range(j):
+                entry = entry - lower[i, k] * scaled[j, k]
+            scaled[i, j] = entry
+            lower[i, j] = entry / scaled[j, j]
+    x: list[Array] = []
+    for i in range(n):
+        row = b[..., i, :]
+        for k in range(i):
+            row = row - lower[i, k][..., None] * x[k]
+        x.append(row)
+    for i in reversed(range(n)):
+        row = x[i] / scaled[i, i][..., None]
+        for k in range(i + 1, n):
+            row = row - lower[k, i][..., None] * x[k]
+        x[i] = row
+    return stack(x, axis=-2)
+
+
+def solve_least_norm(a: Array, b: Array) -> Array:
+    """The shortest x with a x = b, rows of a independent: (…, o, m), (…, o) -> (…, m), o ≤ m.
+
+    By QR of aᵀ, which for a square matrix is a stable solution without pivoting.
+    """
+    if a.dtype != object:
+        q, r = np.linalg.qr(transpose(a))
+        return mv(q, np.linalg.solve(transpose(r), b[..., None])[..., 0])
+    columns: list[Array] = []
+    y: list[Array] = []
+    for i in range(a.shape[-2]):
+        v, rhs = a[..., i, :], b[..., i]
+        for unit, known in zip(columns, y, strict=True):
+            projection = dot(unit, v)
+            v = v - projection[..., None] * unit
+            rhs = rhs - projection * known
+        length = np.sqrt(dot(v, v))
+        columns.append(v / length[..., None])
+        y.append(rhs / length)
+    return mv(stack(columns), stack(y))

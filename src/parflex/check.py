@@ -1,0 +1,75 @@
+"""Checks at the door: what came, what was expected, what to do."""
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.array import Array
+from parflex.errors import InputError
+
+
+def scalar(name: str, value: Any) -> float:
+    """One finite number."""
+    return float(finite(name, value, ()))
+
+
+def positive(name: str, value: Any) -> float:
+    """One finite number above zero."""
+    number = scalar(name, value)
+    if number <= 0:
+        raise InputError(f"{name} is {number}; it must be positive")
+    return number
+
+
+def finite(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
+    """A float array whose trailing axes have `shape` (None: any length); exact shape for ()."""
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is not an array of numbers: {error}") from None
+    if shape is not None:
+        trailing = array.shape[array.ndim - len(shape) :] if shape else array.shape
+        fits = len(trailing) == len(shape) and all(
+            want is None or want == got for want, got in zip(shape, trailing, strict=True)
+        )
+        if not fits:
+            wanted = ", ".join("n" if n is None else str(n) for n in shape)
+            raise InputError(f"{name} has shape {array.shape}; expected ({wanted})")
+    if not np.all(np.isfinite(array)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        at = f" at index {where}" if where else ""
+        raise InputError(f"{name} is {array[where]}{at}; all values must be finite")
+    return array
+
+
+def exactly(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+    """As `finite`, without leading axes."""
+    array = finite(name, value, shape)
+    if array.ndim != len(shape):
+        wanted = ", ".join("n" if n is None else str(n) for n in shape)
+        raise InputError(f"{name} has shape {array.shape}; expected ({wanted})")
+    return array
+
+
+def rotation_matrix(name: str, value: ArrayLike) -> Array:
+    """Rotation matrices (…, 3, 3): orthonormal to 1e-9 and right-handed."""
+    R = finite(name, value, (3, 3))
+    error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), axis=(-1, -2))
+    bad = (error > 1e-9) | (np.linalg.det(R) < 0)
+    if np.any(bad):
+        raise InputError(
+            f"{name}{index_of(bad)} is not a rotation (RᵀR differs from 1 by {np.max(error):.1e}, "
+            f"determinant {np.linalg.det(R)[bad][0]:.6f}); orthonormalise it, or build it with "
+            f"scipy.spatial.transform.Rotation"
+        )
+    return R
+
+
+def index_of(bad: Array) -> str:
+    """' at index (…)' of the first true entry of a batch; nothing for a single item."""
+    bad = np.asarray(bad)
+    if bad.ndim == 0:
+        return ""
+    first = tuple(int(i) for i in np.argwhere(bad)[0])
+    return f" at index {first[0] if len(first) == 1 else first}"

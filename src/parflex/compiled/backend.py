@@ -1,0 +1,53 @@
+"""What a backend is: it turns a kernel into something that runs on float arrays."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.compiled.kernels import Kernel
+
+Trigger = Callable[[], None]
+
+
+class Function(ABC):
+    """A kernel ready to run. Shared by threads; `bind` gives each caller a workspace of its own."""
+
+    kernel: Kernel
+
+    @abstractmethod
+    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
+        """Outputs (…, m_i) for inputs (…, n_i) with equal leading axes."""
+
+    @abstractmethod
+    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
+        """A call without arguments that reads and writes these float64 vectors.
+
+        An input that is None is zero; an output that is None is not stored. The trigger keeps the
+        arrays alive.
+        """
+
+
+class Backend(ABC):
+    """A way of running kernels."""
+
+    name: str
+
+    @abstractmethod
+    def compile(self, kernel: Kernel) -> Function:
+        """The kernel, ready to run; may take a moment."""
+
+    @abstractmethod
+    def version(self) -> str:
+        """Name and version of what runs the kernels."""
+
+
+def flat_batch(kernel: Kernel, inputs: Sequence[Array]) -> tuple[tuple[int, ...], list[Array]]:
+    """The batch shape and the inputs as contiguous (B, n_i)."""
+    batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
+    rows = [
+        np.ascontiguousarray(np.broadcast_to(a, batch + (n,)).reshape(-1, n), dtype=float)
+        for a, n in zip(inputs, kernel.inputs, strict=True)
+    ]
+    return batch, rows

@@ -1,0 +1,106 @@
+"""The models on flat arrays, for control loops: no allocation, no checks after the first call."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.compiled.backend import Trigger
+from parflex.compiled.kernels import sizes
+from parflex.errors import InputError
+from parflex.output import FrameOutput
+from parflex.state import State, pack, state_size, unpack
+
+if TYPE_CHECKING:
+    from parflex.model import Model
+
+REMEMBERED = 64  # sets of arrays, per function
+
+
+class Compiled:
+    """Direct and inverse models on flat float64 arrays; one per thread.
+
+    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N), of length
+    `state_size`; the quaternion is normalised inside. Arrays are bound at first sight, kept alive,
+    and recognised by identity: pass the same arrays again and only their contents are read.
+    """
+
+    def __init__(self, model: "Model") -> None:
+        self.model = model
+        self.modes, self.force_size, self.contact_size = sizes(model.robot)
+        self.state_size = state_size(self.modes)
+        self._direct: dict[tuple[int, int, int], Trigger] = {}
+        self._inverse: dict[tuple[int, int, int], Trigger] = {}
+
+    def pack(self, state: State) -> Array:
+        """The flat state (state_size,) of one state."""
+        x = pack(state, self.modes)
+        if x.ndim != 1:
+            raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
+        return x
+
+    def unpack(self, x: Array) -> State:
+        """The state of a flat vector."""
+        return unpack(x, self.modes)
+
+    def direct(self, x: Array, u: Array, out: Array) -> None:
+        """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
+        key = (id(x), id(u), id(out))
+        trigger = self._direct.get(key)
+        if trigger is None:
+            trigger = self._bind_direct(x, u, out)
+            remember(self._direct, key, trigger)
+        trigger()
+
+    def inverse(self, x: Array, target: Array, out: Array) -> None:
+        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for V̇_p = target (6,).
+
+        Nothing is checked here: near a singular pose the forces grow without bound.
+        """
+        key = (id(x), id(target), id(out))
+        trigger = self._inverse.get(key)
+        if trigger is None:
+            trigger = self._bind_inverse(x, target, out)
+            remember(self._inverse, key, trigger)
+        trigger()
+
+    def _bind_direct(self, x: Array, u: Array, out: Array) -> Trigger:
+        check("x", x, self.state_size)
+        check("u", u, self.force_size)
+        Vd, qdd_e, f = self._split(out, 6)
+        return self.model.function("direct").bind([x, u, None], [Vd, qdd_e, f, None])
+
+    def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
+        check("x", x, self.state_size)
+        check("target", target, 6)
+        forces, qdd_e, f = self._split(out, self.force_size)
+        function = self.model.function("inverse", FrameOutput())
+        return function.bind([x, target, None], [forces, None, qdd_e, f, None, None, None])
+
+    def _split(self, out: Array, first: int) -> tuple[Array, Array, Array | None]:
+        """Views of the output's parts; the contact forces where there is room for them."""
+        short = first + self.modes
+        check("out", out, short, short + self.contact_size)
+        if not out.flags.writeable:
+            raise InputError("out is read-only; pass an array that can be written")
+        return out[:first], out[first:short], out[short:] if len(out) > short else None
+
+
+def check(name: str, array: Array, *lengths: int) -> None:
+    """A contiguous float64 vector of one of these lengths, as it is: nothing is copied."""
+    if not isinstance(array, np.ndarray) or array.dtype != np.float64:
+        kind = getattr(array, "dtype", type(array).__name__)
+        raise InputError(f"{name} is of {kind}; pass a NumPy array of float64")
+    if array.ndim != 1 or len(array) not in lengths or not array.flags.c_contiguous:
+        wanted = " or ".join(f"({n},)" for n in sorted(set(lengths)))
+        raise InputError(
+            f"{name} has shape {array.shape} and strides {array.strides}; pass a contiguous {wanted}"
+        )
+
+
+def remember(known: dict[tuple[int, int, int], Trigger], key: tuple[int, int, int], trigger: Callable[[], None]) -> None:
+    """Keep a bound call; the oldest are dropped where a caller keeps passing new arrays."""
+    if len(known) >= REMEMBERED:
+        known.pop(next(iter(known)))
+    known[key] = trigger

@@ -1,0 +1,137 @@
+"""The models as functions of flat vectors: what every backend runs.
+
+A state is x (13 + 2N), forces u (m), external generalised forces w (6 + N).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from parflex import dynamics
+from parflex.array import Array, cross, dot, join, mtv, mv, transpose
+from parflex.body import axial
+from parflex.robot import Robot
+from parflex.spatial import quaternion_rate
+from parflex.state import coordinates, state_size
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """A function of flat vectors (…, n_i), with the sizes of its inputs and outputs."""
+
+    name: str
+    function: Callable[..., tuple[Array, ...]]
+    inputs: tuple[int, ...]
+    outputs: tuple[int, ...]
+
+
+def direct(robot: Robot) -> Kernel:
+    """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, leg margins."""
+    N, m, k = sizes(robot)
+
+    def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
+        system = dynamics.assemble(robot, coordinates(x, N))
+        return (*dynamics.direct_of(robot, system, u, w), dynamics.leg_margins(system))
+
+    return Kernel(
+        "direct", function, (state_size(N), m, 6 + N), (6, N, k, 2 * len(robot.legs))
+    )
+
+
+def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
+    """(x, target, w) -> Γ, V̇_p, q̈_e, contact forces by tip, gain, J_p⁻ᵀ (by rows), leg margins."""
+    N, m, k = sizes(robot)
+
+    def function(x: Array, target: Array, w: Array) -> tuple[Array, ...]:
+        system = dynamics.assemble(robot, coordinates(x, N))
+        found = dynamics.inverse_of(robot, system, target, w, output)
+        gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
+        margins = dynamics.leg_margins(system)
+        return (found.forces, *found.acceleration, gain, Jp_invT, margins)
+
+    return Kernel(
+        "inverse",
+        function,
+        (state_size(N), output.size, 6 + N),
+        (m, 6, N, k, output.size * m, 6 * m, 2 * len(robot.legs)),
+    )
+
+
+def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
+    """(x, wanted 24, gains 12, w) -> Γ, gain, J_p⁻ᵀ (by rows), leg margins.
+
+    wanted = (p 3, R 9 by rows, V 6, V̇ 6) as in `trajectory.Sample`, gains = (kp 6, kd 6). The
+    target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp; the attitude error is the axial part
+    of RᵀR_d, which for small angles is their rotation vector.
+    """
+    N, m, _ = sizes(robot)
+
+    def function(x: Array, wanted: Array, gains: Array, w: Array) -> tuple[Array, ...]:
+        now = coordinates(x, N)
+        R_d = wanted[..., 3:12].reshape(wanted.shape[:-1] + (3, 3))
+        R_pd = np.matmul(transpose(now.rotation), R_d)
+        place = mtv(now.rotation, wanted[..., :3] - now.position)
+        error = join([place, 0.5 * axial(R_pd)])
+        twist, acceleration = (
+            join([mv(R_pd, wanted[..., i : i + 3]), mv(R_pd, wanted[..., i + 3 : i + 6])])
+            for i in (12, 18)
+        )
+        kp, kd = gains[..., :6], gains[..., 6:]
+        target = acceleration + kd * (twist - now.twist) + kp * error
+        system = dynamics.assemble(robot, now)
+        found = dynamics.inverse_of(robot, system, target, w, output)
+        gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
+        return found.forces, gain, Jp_invT, dynamics.leg_margins(system)
+
+    return Kernel(
+        "tracking",
+        function,
+        (state_size(N), 24, 12, 6 + N),
+        (m, output.size * m, 6 * m, 2 * len(robot.legs)),
+    )
+
+
+def derivative(robot: Robot) -> Kernel:
+    """(x, u, w) -> ẋ, the powers of actuators, wrenches and damping (a loss), leg margins."""
+    N, m, _ = sizes(robot)
+
+    def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
+        c = coordinates(x, N)
+        system = dynamics.assemble(robot, c)
+        Vd, qdd_e, _ = dynamics.direct_of(robot, system, u, w)
+        v_p, omega = c.twist[..., :3], c.twist[..., 3:]
+        velocity = mv(c.rotation, v_p)
+        rate = Vd - join([cross(omega, v_p), np.zeros(3)])
+        turning = quaternion_rate(x[..., 3:7], omega)
+        powers = [
+            dot(u, dynamics.joint_rates(robot, system)),
+            dot(w[..., :6], c.twist) + dot(w[..., 6:], c.elastic_rate),
+            dot(c.elastic_rate, robot.platform.damping * c.elastic_rate),
+        ]
+        moved = join([velocity, turning, rate, c.elastic_rate, qdd_e])
+        margins = dynamics.leg_margins(system)
+        return moved, join([power[..., None] for power in powers]), margins
+
+    return Kernel(
+        "derivative",
+        function,
+        (state_size(N), m, 6 + N),
+        (state_size(N), 3, 2 * len(robot.legs)),
+    )
+
+
+def actuators(robot: Robot) -> Kernel:
+    """x -> q_a and q̇_a, positions and rates of the actuated joints."""
+    N, m, _ = sizes(robot)
+
+    def function(x: Array) -> tuple[Array, ...]:
+        system = dynamics.assemble(robot, coordinates(x, N))
+        return dynamics.actuated_positions(robot, system), dynamics.joint_rates(robot, system)
+
+    return Kernel("actuators", function, (state_size(N),), (m, m))
+
+
+def sizes(robot: Robot) -> tuple[int, int, int]:
+    """Modes, forces, and contact force components."""
+    return robot.platform.modes, robot.n_forces, 3 * len(robot.tip_attachments)

@@ -1,0 +1,82 @@
+"""The scalar that traces the mechanics: a carrier around `casadi.SX` that folds 0 and 1."""
+
+from typing import Union
+
+import casadi
+import numpy as np
+
+from parflex.array import Array
+
+Number = Union["Symbol", float]
+
+
+class Symbol:
+    """A scalar expression. Constants stay Python floats, so that what is known is never stored."""
+
+    __slots__ = ("x",)
+
+    def __init__(self, x: casadi.SX) -> None:
+        self.x = x
+
+    def __add__(self, other: Number) -> "Symbol":
+        if isinstance(other, Symbol):
+            return Symbol(self.x + other.x)
+        return self if other == 0 else Symbol(self.x + float(other))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> "Symbol":
+        return Symbol(-self.x)
+
+    def __sub__(self, other: Number) -> "Symbol":
+        if isinstance(other, Symbol):
+            return Symbol(self.x - other.x)
+        return self if other == 0 else Symbol(self.x - float(other))
+
+    def __rsub__(self, other: float) -> "Symbol":
+        return Symbol(-self.x if other == 0 else float(other) - self.x)
+
+    def __mul__(self, other: Number) -> Number:
+        if isinstance(other, Symbol):
+            return Symbol(self.x * other.x)
+        if other == 0:
+            return 0.0
+        if other in (1, -1):
+            return self if other == 1 else Symbol(-self.x)
+        return Symbol(self.x * float(other))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Number) -> Number:
+        if isinstance(other, Symbol):
+            return Symbol(self.x / other.x)
+        return self if other == 1 else Symbol(self.x / float(other))
+
+    def __rtruediv__(self, other: float) -> Number:
+        return 0.0 if other == 0 else Symbol(float(other) / self.x)
+
+    def sqrt(self) -> "Symbol":
+        return Symbol(casadi.sqrt(self.x))
+
+    def arctan2(self, other: Number) -> "Symbol":
+        return Symbol(casadi.atan2(self.x, expression(other)))
+
+
+def expression(value: Number) -> casadi.SX:
+    """The CasADi expression of a symbol or constant."""
+    return value.x if isinstance(value, Symbol) else casadi.SX(float(value))
+
+
+def symbols(name: str, size: int) -> tuple[casadi.SX, Array]:
+    """A symbolic input vector, for CasADi and as an array for the mechanics."""
+    vector = casadi.SX.sym(name, size)
+    array = np.empty(size, dtype=object)
+    for i in range(size):
+        array[i] = Symbol(vector[i])
+    return vector, array
+
+
+def vector(array: Array) -> casadi.SX:
+    """An array of symbols and constants as one CasADi column."""
+    flat = [expression(value) for value in np.asarray(array, dtype=object).reshape(-1)]
+    return casadi.vertcat(*flat) if flat else casadi.SX(0, 1)

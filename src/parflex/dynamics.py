@@ -1,0 +1,310 @@
+"""The dynamic models in contact form: one symmetric system in the forces between legs and platform.
+
+Legs:      A q̈ + c = S Γ − Jᵀ f
+Platform:  M_p (V̇_p, q̈_e) + c_p = W f + w
+Closure:   J q̈ + J̇q̇ = Wᵀ (V̇_p, q̈_e) + h
+
+Eliminating the accelerations leaves
+(Wᵀ M_p⁻¹ W + J A⁻¹ Jᵀ) f = J A⁻¹ (S Γ − c) + J̇q̇ − h + Wᵀ M_p⁻¹ (c_p − w),
+positive definite for any number of modes, without J⁻¹. It equals Eqs. 36–49 (`cartesian.py`).
+"""
+
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from parflex import chain, kinematics
+from parflex.array import (
+    Array,
+    block_diagonal,
+    join,
+    mtv,
+    mv,
+    solve_definite,
+    solve_least_norm,
+    stack,
+    transpose,
+)
+from parflex.body import FlexibleBody, PlatformTerms, platform_terms
+from parflex.chain import Frames
+from parflex.kinematics import PointMotion
+from parflex.robot import LegGroup, Robot
+from parflex.state import Coordinates
+
+
+class LegTerms(NamedTuple):
+    """The model of the L legs of a group: A q̈ + c = S Γ − Jᵀ f; J and J̇q̇ resolved in Σp."""
+
+    group: LegGroup
+    joints: chain.Joints
+    frames: Frames
+    qd: Array  # (…, L, n)
+    A: Array  # (…, L, n, n)
+    c: Array  # (…, L, n)
+    J: Array  # (…, L, 3t, n)
+    Jdqd: Array  # (…, L, 3t)
+
+
+class System(NamedTuple):
+    """Everything at one state; legs' tips in the order of the groups."""
+
+    legs: list[LegTerms]
+    points: PointMotion  # of the attachments that are held
+    W_p: Array  # (…, 6, 3k)
+    W_e: Array  # (N, 3k)
+    platform: PlatformTerms
+
+
+class MobileInertia(NamedTuple):
+    """M_p⁻¹ with the modal block eliminated first: m_ee is constant, the rest has rank six."""
+
+    E: Array  # (…, 6, N), A_re m_ee⁻¹
+    A_s: Array  # (…, 6, 6), A_rr − E A_reᵀ
+    B: Array  # (…, 6, 3k), W_p − E W_e
+
+
+class Contact(NamedTuple):
+    """The contact system: C f = rhs + JAS Γ."""
+
+    inertia: MobileInertia
+    C: Array  # (…, 3k, 3k)
+    rhs: Array  # (…, 3k)
+    JAS: Array  # (…, 3k, m)
+    c_s: Array  # (…, 6), c_r − E c_e
+    c_e: Array  # (…, N)
+
+
+class Acceleration(NamedTuple):
+    """V̇_p (…, 6), q̈_e (…, N) and the contact forces f (…, 3k) on the platform, all in Σp."""
+
+    platform: Array
+    elastic: Array
+    contact: Array
+
+
+class Inverse(NamedTuple):
+    """Γ (…, m), the accelerations that go with it, ∂output/∂Γ (…, o, m), J_p⁻ᵀ (…, 6, m)."""
+
+    forces: Array
+    acceleration: Acceleration
+    gain: Array
+    Jp_invT: Array
+
+
+class Output(Protocol):
+    """What the inverse model prescribes: linear in the accelerations."""
+
+    @property
+    def size(self) -> int:
+        """o, the number of rows."""
+
+    def linear(self, Vd: Array, qdd_e: Array) -> Array:
+        """Its part that is linear in V̇_p (…, 6, c) and q̈_e (…, N, c): (…, o, c)."""
+
+
+def direct(robot: Robot, x: Coordinates, forces: Array, wrench: Array) -> Acceleration:
+    """The direct dynamic model: accelerations and contact forces for given Γ (…, m).
+
+    wrench (…, 6 + N) is the generalised force of external loads.
+    """
+    return direct_of(robot, assemble(robot, x), forces, wrench)
+
+
+def direct_of(robot: Robot, system: System, forces: Array, wrench: Array) -> Acceleration:
+    """The direct model of an assembled system."""
+    contact = contact_system(robot, system, wrench)
+    rhs = contact.rhs + mv(contact.JAS, forces)
+    f = solve_definite(contact.C, rhs[..., None])[..., 0]
+    return accelerations(robot.platform, system, contact, f)
+
+
+def inverse(
+    robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output
+) -> Inverse:
+    """The inverse dynamic model: Γ for a wanted output acceleration (…, o).
+
+    The model is affine in Γ: one factorisation serves Γ = 0 and the columns of S; the map from Γ
+    to the output is then solved, with least norm where there are more actuators than outputs.
+    """
+    return inverse_of(robot, assemble(robot, x), target, wrench, output)
+
+
+def inverse_of(
+    robot: Robot, system: System, target: Array, wrench: Array, output: Output
+) -> Inverse:
+    """The inverse model of an assembled system."""
+    contact = contact_system(robot, system, wrench)
+    columns = np.concatenate([contact.rhs[..., None], contact.JAS], axis=-1)
+    f = solve_definite(contact.C, columns)
+    f_0, F = f[..., 0], f[..., 1:]
+    free = accelerations(robot.platform, system, contact, f_0)
+    gain = output.linear(*acceleration_map(robot.platform, system, contact, F))
+    reached = output.linear(free.platform[..., None], free.elastic[..., None])[..., 0]
+    forces = solve_least_norm(gain, target - reached)
+    driven = accelerations(robot.platform, system, contact, f_0 + mv(F, forces))
+    Jp_invT, _ = kinematics.actuator_jacobian(system.W_p, system.W_e, actuated_axes(robot, system))
+    return Inverse(forces, driven, gain, Jp_invT)
+
+
+def assemble(robot: Robot, x: Coordinates) -> System:
+    """Legs, platform and closure at a state."""
+    body, held = robot.platform, robot.tip_attachments
+    shapes = body.attachment_shapes[held]
+    points = kinematics.point_motion(body.attachment_points[held], shapes, x)
+    W_p, W_e = kinematics.wrench_map(points.r, shapes)
+    gravity_p = mtv(x.rotation, robot.gravity)
+    platform = platform_terms(body, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
+    legs, first = [], 0
+    for group in robot.groups:
+        last = first + group.attachments.size
+        legs.append(leg_terms(robot, group, x, points.r[..., first:last, :], points.v[..., first:last, :]))
+        first = last
+    return System(legs, points, W_p, W_e, platform)
+
+
+def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, r: Array, v: Array) -> LegTerms:
+    """The legs of a group, moved by their tips at r with velocity v (…, L t, 3), in Σp."""
+    count, tips = group.attachments.shape
+    by_leg = r.shape[:-2] + (count, tips, 3)
+    R_i0 = transpose(group.rotation)[:, None]
+    R_ip = R_i0 @ x.rotation[..., None, None, :, :]
+    place = kinematics.position_in_world(r, x).reshape(by_leg) - group.origin[:, None]
+    place, velocity = mv(R_i0, place), mv(R_ip, v.reshape(by_leg))
+    joints = group.type.joints(group.chain, group.offsets, place)
+    frames = chain.frames(group.chain, joints)
+    qd = group.type.rates(group.chain, frames, joints, place, velocity)
+    rest = np.zeros(group.chain.n)
+    gravity = mtv(group.rotation, np.asarray(robot.gravity))
+    motions = chain.link_motions(group.chain, frames, qd, rest, gravity)
+    R_pi = transpose(R_ip[..., 0, :, :])
+    J, Jdqd = [], []
+    for t, j in enumerate(group.tip_frames):
+        offset, (omega, omegad, vd) = group.offsets[:, t], motions[j]
+        acceleration = mv(frames.R_0j[j], vd + chain.point_acceleration(omega, omegad, offset))
+        J.append(R_pi @ chain.tip_jacobian(group.chain, frames, j, offset))  # Eqs. 1, 3
+        Jdqd.append(mv(R_pi, acceleration + gravity))
+    return LegTerms(
+        group,
+        joints,
+        frames,
+        qd,
+        A=chain.inertia_matrix(group.chain, frames),
+        c=chain.inverse_dynamics(group.chain, frames, motions, rest),
+        J=np.concatenate(J, axis=-2),
+        Jdqd=np.concatenate(Jdqd, axis=-1),
+    )
+
+
+def selection(group: LegGroup) -> Array:
+    """S (n, actuated): Γ_i = [0 0 Γ_3i]ᵀ for a leg that drives its third joint."""
+    return np.eye(group.chain.n)[:, list(group.actuated)]  # Eq. 8
+
+
+def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
+    """The system that is left when joint and platform accelerations are eliminated."""
+    body, (A_rr, A_re, c_r, c_e) = robot.platform, system.platform
+    c_r, c_e = c_r - wrench[..., :6], c_e - wrench[..., 6:]
+    Phi = transpose(system.W_e)
+    E = A_re @ body.m_ee_inverse
+    A_s = A_rr - E @ transpose(A_re)
+    B = system.W_p - E @ system.W_e
+    c_s = c_r - mv(E, c_e)
+    held = solve_definite(A_s, np.concatenate([B, c_s[..., None]], axis=-1))
+    C = transpose(B) @ held[..., :-1] + Phi @ body.m_ee_inverse @ system.W_e
+    rhs = mtv(B, held[..., -1]) + mv(Phi @ body.m_ee_inverse, c_e)
+    rhs = rhs - kinematics.stacked(system.points.h)
+
+    compliance, driven, drift = [], [], []
+    for leg in system.legs:
+        S = np.broadcast_to(selection(leg.group), leg.A.shape[:-1] + (len(leg.group.actuated),))
+        columns = np.concatenate([transpose(leg.J), S, leg.c[..., None]], axis=-1)
+        solved = leg.J @ solve_definite(leg.A, columns)
+        contacts = leg.J.shape[-2]
+        compliance.append(block_diagonal(solved[..., :contacts]))
+        driven.append(block_diagonal(solved[..., contacts:-1]))
+        by_tip = leg.Jdqd - solved[..., -1]
+        drift.append(by_tip.reshape(by_tip.shape[:-2] + (-1,)))
+    JAS = diagonal(driven)[..., robot.force_order]
+    empty = np.zeros(0)
+    return Contact(
+        MobileInertia(E, A_s, B), C + diagonal(compliance), rhs + join([empty, *drift]), JAS, c_s, c_e
+    )
+
+
+def diagonal(blocks: list[Array]) -> Array:
+    """Blocks of different shapes on the diagonal of one matrix."""
+    out = np.zeros((0, 0))
+    for part in blocks:
+        batch = np.broadcast_shapes(out.shape[:-2], part.shape[:-2])
+        out, part = (np.broadcast_to(a, batch + a.shape[-2:]) for a in (out, part))
+        (r, c), (s, d) = out.shape[-2:], part.shape[-2:]
+        upper = np.concatenate([out, np.zeros(batch + (r, d))], axis=-1)
+        lower = np.concatenate([np.zeros(batch + (s, c)), part], axis=-1)
+        out = np.concatenate([upper, lower], axis=-2)
+    return out
+
+
+def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array) -> Acceleration:
+    """(V̇_p, q̈_e) = M_p⁻¹ (W f − c_p) for contact forces f (…, 3k)."""
+    driven = mv(contact.inertia.B, f) - contact.c_s
+    Vd = solve_definite(contact.inertia.A_s, driven[..., None])[..., 0]
+    elastic = mv(body.m_ee_inverse, mv(system.W_e, f) - contact.c_e)
+    return Acceleration(Vd, elastic - mtv(contact.inertia.E, Vd), f)  # Eq. 43
+
+
+def acceleration_map(
+    body: FlexibleBody, system: System, contact: Contact, F: Array
+) -> tuple[Array, Array]:
+    """The linear part of `accelerations` for columns of contact forces (…, 3k, c)."""
+    Vd = solve_definite(contact.inertia.A_s, contact.inertia.B @ F)
+    elastic = body.m_ee_inverse @ (system.W_e @ F)
+    return Vd, elastic - transpose(contact.inertia.E) @ Vd
+
+
+def actuated_axes(robot: Robot, system: System) -> Array:
+    """∂q_a/∂p (…, 3k, m): rows of the legs' J⁻¹, for a slider its unit axis a_3i."""
+    parts = []
+    for leg in system.legs:
+        rows = transpose(leg.J)
+        unit = selection(leg.group).T
+        axes = [solve_least_norm(rows, np.broadcast_to(u, rows.shape[:-1])) for u in unit]
+        parts.append(block_diagonal(stack(axes)))
+    return diagonal(parts)[..., robot.force_order]
+
+
+def leg_margins(system: System) -> Array:
+    """Reach and regularity of the legs' inverse geometry, (…, 2 legs) in the order of the groups."""
+    parts = [np.zeros(0)]
+    for leg in system.legs:
+        parts += leg.group.type.margins(leg.group.chain, leg.joints, leg.group.offsets)
+    return join(parts)
+
+
+def joint_rates(robot: Robot, system: System) -> Array:
+    """q̇_a (…, m) of the actuated joints, in the order of Γ."""
+    parts = [leg.qd[..., list(leg.group.actuated)] for leg in system.legs]
+    flat = [part.reshape(part.shape[:-2] + (-1,)) for part in parts]
+    return join([np.zeros(0), *flat])[..., robot.force_order]
+
+
+def actuated_positions(robot: Robot, system: System) -> Array:
+    """q_a (…, m): lengths and angles (−π, π] of the actuated joints, in the order of Γ."""
+    parts = []
+    for leg in system.legs:
+        q = [joint_position(leg, j) for j in leg.group.actuated]
+        by_leg = stack(q)
+        parts.append(by_leg.reshape(by_leg.shape[:-2] + (-1,)))
+    return join([np.zeros(0), *parts])[..., robot.force_order]
+
+
+def joint_position(leg: LegTerms, j: int) -> Array:
+    """q_j (…, L) of the legs of a group."""
+    if leg.group.chain.sigma[j]:
+        return leg.joints.length[..., j]
+    return np.arctan2(leg.joints.sin[..., j], leg.joints.cos[..., j])
+
+
+def joint_accelerations(leg: LegTerms, forces: Array, f: Array) -> Array:
+    """q̈ (…, L, n) of a group from its actuator forces (…, L, m_i) and tip forces (…, L, 3t)."""
+    driving = mv(selection(leg.group), forces) - mtv(leg.J, f) - leg.c
+    return solve_definite(leg.A, driving[..., None])[..., 0]  # Eq. 7

@@ -1,0 +1,28 @@
+"""Kinetic, gravitational and strain energy of a robot."""
+
+import numpy as np
+
+from parflex import chain, dynamics
+from parflex.array import Array, dot, mtv, mv
+from parflex.body import body_energies
+from parflex.robot import Robot
+from parflex.state import Coordinates
+
+
+def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array]:
+    """Kinetic (rotors included), gravitational (zero at the world's origin) and strain energy, J.
+
+    For a state or a batch of them: (…,) each.
+    """
+    gravity, body = np.asarray(robot.gravity), robot.platform
+    kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
+    moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
+    weight = -dot(gravity, body.tables.m * x.position + mv(x.rotation, moment))
+    for leg in dynamics.assemble(robot, x).legs:
+        group = leg.group
+        kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)
+        in_base = mtv(group.rotation, gravity)
+        above = chain.potential_energy(group.chain, leg.frames, in_base)
+        mass = np.sum(group.chain.M, axis=-1)
+        weight = weight + np.sum(above - mass * dot(gravity, group.origin), axis=-1)
+    return kinetic, weight, strain

@@ -1,0 +1,17 @@
+"""The errors parflex raises: each names the field, the value that came, and the remedy."""
+
+
+class InputError(ValueError):
+    """Something given to parflex is wrong; nothing was computed or written."""
+
+
+class OutOfReach(InputError):
+    """A pose that a leg cannot reach."""
+
+
+class SingularPose(InputError):
+    """A pose where the robot loses or gains a freedom, so that the wanted model does not exist."""
+
+
+class NotConverged(InputError):
+    """An iteration that did not reach its tolerance."""

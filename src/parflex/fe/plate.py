@@ -1,0 +1,314 @@
+"""Free–free modes of a thin plate: Kirchhoff theory with rotary inertia, Argyris triangles.
+
+(D [(1 − ν) ∇∇w:∇∇v + ν Δw Δv], a w v + b ∇w·∇v), a = ρh, b = ρh³/12, D = E h³ / 12 (1 − ν²)
+"""
+
+import warnings
+from typing import NamedTuple
+
+import numpy as np
+import skfem
+from numpy.typing import ArrayLike
+from scipy.sparse.linalg import eigsh
+from skfem.helpers import dd, ddot, dot, grad, trace
+
+from parflex.array import Array
+from parflex.check import exactly, positive, scalar
+from parflex.errors import InputError
+from parflex.modes import Modes, Moments
+
+DEGENERATE = 1e-3  # relative gap below which neighbouring frequencies count as one
+DEFAULT_REFINE = 2
+SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
+
+
+class Section(NamedTuple):
+    """What a thickness and a material make of a plate, per area."""
+
+    a: float  # mass, kg/m²
+    b: float  # rotary inertia, kg
+    D: float  # bending stiffness, N m
+    poisson: float
+
+
+class PlateSolution(NamedTuple):
+    """Elastic modes in the finite-element basis."""
+
+    basis: skfem.Basis
+    frequencies: Array  # (N,)
+    coefficients: Array  # (unknowns, N)
+
+
+def plate_modes(
+    polygon: ArrayLike,
+    thickness: float,
+    young: float,
+    poisson: float,
+    density: float,
+    n_modes: int,
+    refine: int | None = None,
+) -> Modes:
+    """Free–free elastic modes of a plate of convex polygonal outline.
+
+    polygon (n, 2) m, either sense of rotation; thickness m; young N/m²; density kg/m³; n_modes ≥ 0
+    (0: the rigid plate). `refine` halves the triangles, fanned from the centroid, that many times;
+    by default as often as the number of modes needs, at least twice. The error of a
+    frequency is estimated by its change from the mesh once coarser, and bounds it from above.
+
+    Node 0 is the centroid, nodes 1 … n are the corners. Signs and the orientation of degenerate
+    pairs are canonical: positive at the first corner that moves; of a pair, the first has the
+    largest deflection at the first corner and the second vanishes there.
+
+    Raises InputError for a polygon that is not convex or crosses itself and for values no plate
+    has; warns where the number of modes cuts a degenerate pair in two.
+    """
+    corners = convex_polygon(polygon)
+    section = plate_section(thickness, young, poisson, density)
+    if n_modes < 0:
+        raise InputError(f"n_modes is {n_modes}; it must be 0 (a rigid plate) or more")
+    if refine is None:
+        refine = next(r for r in range(DEFAULT_REFINE, 9) if unknowns(len(corners), r) > 12 * n_modes)
+    elif refine < 1:
+        raise InputError(f"refine is {refine}; it must be at least 1")
+    fine = solve_plate(corners, section, n_modes, refine)
+    coarse = solve_plate(corners, section, n_modes, refine - 1)
+    warn_of_cut_pair(fine.frequencies, n_modes)
+    kept = PlateSolution(fine.basis, fine.frequencies[:n_modes], fine.coefficients[:, :n_modes])
+    known = min(n_modes, len(coarse.frequencies))
+    error = np.full(n_modes, np.nan)
+    error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
+    return tabulate(kept, section, len(corners), error, refine)
+
+
+def convex_polygon(polygon: ArrayLike) -> Array:
+    """The corners (n, 2), anticlockwise; the first stays first."""
+    corners = exactly("polygon", polygon, (None, 2))
+    if len(corners) < 3:
+        raise InputError(f"polygon has {len(corners)} corners; a plate needs at least 3")
+    edges = np.roll(corners, -1, axis=0) - corners
+    turns = edges[:, 0] * np.roll(edges[:, 1], -1) - edges[:, 1] * np.roll(edges[:, 0], -1)
+    length = np.linalg.norm(edges, axis=1)
+    if np.any(length == 0):
+        raise InputError(f"polygon: corner {int(np.argmin(length))} is given twice in a row")
+    sine = turns / (length * np.roll(length, -1))
+    if not (np.all(sine > 1e-9) or np.all(sine < -1e-9)):
+        sense = np.sign(np.sum(turns))
+        worst = (int(np.argmin(sine * sense)) + 1) % len(corners)
+        raise InputError(
+            f"polygon is not convex at corner {worst}, {corners[worst]}; give the corners of a "
+            f"convex outline in order, without points on straight edges"
+        )
+    dots = np.sum(edges * np.roll(edges, -1, axis=0), axis=1)
+    angles = abs(np.sum(np.arctan2(turns, dots)))
+    if abs(angles - 2 * np.pi) > 1e-6:
+        raise InputError("polygon crosses itself; give the corners in order around the outline")
+    return corners if turns[0] > 0 else np.roll(corners[::-1], 1, axis=0)
+
+
+def plate_section(thickness: float, young: float, poisson: float, density: float) -> Section:
+    """Checked properties per area."""
+    h, E = positive("thickness", thickness), positive("young", young)
+    rho, nu = positive("density", density), scalar("poisson", poisson)
+    if not -1 < nu < 0.5:
+        raise InputError(f"poisson is {nu}; it must lie between -1 and 0.5")
+    return Section(rho * h, rho * h**3 / 12, E * h**3 / (12 * (1 - nu**2)), nu)
+
+
+def unknowns(corners: int, refine: int) -> int:
+    """Argyris unknowns of the fan: 6 per node and 1 per edge."""
+    triangles = corners * 4**refine
+    boundary = corners * 2**refine
+    edges = (3 * triangles + boundary) // 2
+    return 6 * (1 + edges - triangles) + edges
+
+
+def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
+    """Triangles from the centroid (node 0) to the edges, each refined into four `refine` times."""
+    n = len(corners)
+    x, y = corners.T
+    weights = x * np.roll(y, -1) - y * np.roll(x, -1)
+    centroid = (weights @ (corners + np.roll(corners, -1, axis=0))) / (3 * np.sum(weights))
+    points = np.vstack([centroid, corners]).T
+    i = np.arange(n)
+    return skfem.MeshTri(points, np.stack([0 * i, 1 + i, 1 + (i + 1) % n])).refined(refine)
+
+
+def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> PlateSolution:
+    """Elastic modes and some to spare; the three rigid ones are recognised and left out."""
+    basis = skfem.Basis(fan_mesh(corners, refine), skfem.ElementTriArgyris(), intorder=10)
+    mass = inertia_form(section).assemble(basis)
+    stiffness = bending_form(section).assemble(basis)
+    count = min(n_modes + SPARE + 3, basis.N - 1)
+    size = np.linalg.norm(np.ptp(corners, axis=0))
+    shift = -section.D / (section.a * size**4)  # below zero, so that K − σM is definite
+    start = np.random.default_rng(0).standard_normal(basis.N)
+    values, vectors = eigsh(stiffness, count, mass, sigma=shift, v0=start, tol=1e-14)
+    order = np.argsort(values)
+    values, vectors = values[order], vectors[:, order]
+    if np.any(np.abs(values[:3]) > 1e-4 * values[3]):
+        raise InputError(
+            f"polygon: no three rigid modes were found (ω² = {values[:4]}); its triangles are too "
+            f"slender for this mesh"
+        )
+    elastic = vectors[:, 3:]
+    quotient = np.sum(elastic * (stiffness @ elastic), axis=0)
+    frequencies = np.sqrt(quotient / np.sum(elastic * (mass @ elastic), axis=0))
+    deflection = elastic[basis.dofs.nodal_dofs[0]]
+    return PlateSolution(
+        basis, frequencies, canonical(elastic, frequencies, deflection, len(corners))
+    )
+
+
+def bending_form(section: Section) -> skfem.BilinearForm:
+    """D [(1 − ν) ∇∇w:∇∇v + ν Δw Δv]."""
+
+    @skfem.BilinearForm
+    def bending(u, v, _):  # type: ignore[no-untyped-def]
+        nu = section.poisson
+        return section.D * ((1 - nu) * ddot(dd(u), dd(v)) + nu * trace(dd(u)) * trace(dd(v)))
+
+    return bending
+
+
+def inertia_form(section: Section) -> skfem.BilinearForm:
+    """a w v + b ∇w·∇v."""
+
+    @skfem.BilinearForm
+    def inertia(u, v, _):  # type: ignore[no-untyped-def]
+        return section.a * u * v + section.b * dot(grad(u), grad(v))
+
+    return inertia
+
+
+def canonical(vectors: Array, frequencies: Array, deflection: Array, corners: int) -> Array:
+    """Deterministic signs and orientation of clusters; deflection (nodes, N) of the columns."""
+    parts = []
+    for first, last in clusters(frequencies):
+        w = deflection[:, first:last]
+        scale = np.max(np.abs(w))
+        at = next((i for i in range(1, corners + 1) if np.linalg.norm(w[i]) > 1e-6 * scale), None)
+        if at is None:
+            at = int(np.argmax(np.linalg.norm(w, axis=1) > 0.5 * scale))
+        turn = np.linalg.qr(np.column_stack([w[at], np.eye(last - first)]))[0]
+        turned = w @ turn
+        moving = np.abs(turned) > 0.01 * np.max(np.abs(turned), axis=0)
+        moving[at, 1:] = False
+        where = [at] + [int(np.argmax(moving[1:, k])) + 1 for k in range(1, last - first)]
+        sign = np.sign([turned[i, k] for k, i in enumerate(where)])
+        parts.append(vectors[:, first:last] @ turn * sign)
+    return np.concatenate([vectors[:, :0], *parts], axis=1)
+
+
+def clusters(frequencies: Array) -> list[tuple[int, int]]:
+    """Ranges of modes whose neighbours lie closer than `DEGENERATE`."""
+    breaks = [i for i in range(1, len(frequencies)) if not close(frequencies, i)]
+    edges = [0, *breaks, len(frequencies)]
+    return [(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a]
+
+
+def close(frequencies: Array, i: int) -> bool:
+    """Whether mode i and the one before it count as degenerate."""
+    return bool(frequencies[i] - frequencies[i - 1] < DEGENERATE * frequencies[i])
+
+
+def warn_of_cut_pair(frequencies: Array, n_modes: int) -> None:
+    """Say so where the last mode asked for and the next one are degenerate."""
+    if 0 < n_modes < len(frequencies) and close(frequencies, n_modes):
+        warnings.warn(
+            f"{n_modes} modes cut a degenerate pair in two (modes {n_modes} and {n_modes + 1}, "
+            f"{frequencies[n_modes - 1]:.2f} rad/s): results depend on the pair's orientation; "
+            f"{n_modes - 1} or {n_modes + 1} modes do not",
+            stacklevel=3,
+        )
+
+
+class PlateFields(NamedTuple):
+    """Deflection and slope of the modes at points (2, P)."""
+
+    w: Array  # (N, P)
+    slope: Array  # (N, 2, P)
+
+    def plus_rigid(self, motion: Array, x: Array) -> "PlateFields":
+        """With a rigid motion (N, 3) in 1, x, y added."""
+        ones = np.ones_like(x[:1])
+        return PlateFields(
+            self.w + motion @ np.concatenate([ones, x]),
+            self.slope + motion[:, 1:, None] * ones,
+        )
+
+    def mixed(self, matrix: Array) -> "PlateFields":
+        """Linear combinations of the modes."""
+        return PlateFields(matrix @ self.w, np.einsum("ij,jap->iap", matrix, self.slope))
+
+
+def quadrature(basis: skfem.Basis) -> tuple[Array, Array]:
+    """Points (2, Q) and weights (Q,) that integrate products of the shapes exactly."""
+    return np.asarray(basis.global_coordinates()).reshape(2, -1), basis.dx.reshape(-1)
+
+
+def sampled(solution: PlateSolution, section: Section) -> tuple[PlateFields, PlateFields]:
+    """The modes at the quadrature points and at the nodes.
+
+    They are made orthogonal to the rigid motions, and orthonormal, as functions: the element's
+    own basis represents 1, x and y to some 1e-11 only.
+    """
+    basis, coefficients = solution.basis, solution.coefficients
+    modes = coefficients.shape[1]
+    x, dx = quadrature(basis)
+    interpolated = [basis.interpolate(column) for column in coefficients.T]
+    inside = PlateFields(
+        np.array([np.asarray(f) for f in interpolated]).reshape(modes, dx.size),
+        np.array([f.grad for f in interpolated]).reshape(modes, 2, dx.size),
+    )
+    u, u_x, u_y = (coefficients[dofs].T for dofs in basis.dofs.nodal_dofs[:3])
+    at_nodes = PlateFields(u, np.stack([u_x, u_y], axis=1))
+    rigid = PlateFields(np.zeros((3, dx.size)), np.zeros((3, 2, dx.size))).plus_rigid(np.eye(3), x)
+    motion = -np.linalg.solve(
+        modal_mass(rigid, rigid, section, dx), modal_mass(rigid, inside, section, dx)
+    ).T
+    inside, at_nodes = inside.plus_rigid(motion, x), at_nodes.plus_rigid(motion, basis.mesh.p)
+    whiten = np.linalg.inv(np.linalg.cholesky(modal_mass(inside, inside, section, dx)))
+    return inside.mixed(whiten), at_nodes.mixed(whiten)
+
+
+def modal_mass(left: PlateFields, right: PlateFields, section: Section, dx: Array) -> Array:
+    """∫ a w v + b ∇w·∇v, (N_left, N_right)."""
+    rotary = np.einsum("iap,jap->ij", left.slope * dx, right.slope, optimize=True)
+    return section.a * (left.w * dx) @ right.w.T + section.b * rotary
+
+
+def tabulate(
+    solution: PlateSolution, section: Section, corners: int, error: Array, refine: int
+) -> Modes:
+    """Shapes at the nodes and the moment tensors of a plate that moves as (−z ∇w, w)."""
+    basis = solution.basis
+    inside, at_nodes = sampled(solution, section)
+    w, (w_x, w_y) = at_nodes.w, np.moveaxis(at_nodes.slope, 1, 0)
+    still = np.zeros_like(w)
+    return Modes(
+        nodes=np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T,
+        triangles=basis.mesh.t.T.copy(),
+        shapes=np.stack([still, still, w], axis=-1),
+        rotations=np.stack([w_y, -w_x, still], axis=-1),
+        frequencies=solution.frequencies,
+        frequency_error=error,
+        moments=plate_moments(inside, section, *quadrature(basis)),
+        corners=tuple(range(1, corners + 1)),
+        source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",
+    )
+
+
+def plate_moments(fields: PlateFields, section: Section, x: Array, dx: Array) -> Moments:
+    """The inertia integrals, with a = ρh and b = ρh³/12."""
+    a, b, (w, slope) = section.a, section.b, fields
+    area, N = float(np.sum(dx)), len(w)
+    r = np.concatenate([x, np.zeros_like(x[:1])])
+    P0 = a * (r * dx) @ r.T
+    P0[2, 2] += b * area
+    S, P1, P2 = np.zeros((3, N)), np.zeros((N, 3, 3)), np.zeros((N, N, 3, 3))
+    S[2] = a * w @ dx
+    P1[:, 2, :] = a * (w * dx) @ r.T
+    P1[:, :2, 2] = -b * slope @ dx
+    P2[:, :, 2, 2] = a * (w * dx) @ w.T
+    P2[:, :, :2, :2] = b * np.einsum("iap,jbp->ijab", slope * dx, slope, optimize=True)
+    return Moments(a * area, a * r @ dx, P0, S, P1, P2)

@@ -1,0 +1,136 @@
+"""What a leg is (its table), and what a leg type adds to it (its inverse geometry)."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.array import Array
+from parflex.chain import Chain, Frames, Joints
+from parflex.check import finite, rotation_matrix, scalar
+from parflex.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class Joint:
+    """One row of Table 1 with the inertia of the link it carries; SI units and radians.
+
+    The joint variable is added to `theta` (sigma 0, revolute) or to `r` (sigma 1, prismatic).
+    `M`, `MS`, `I` are the link's mass (kg), first moments (kg m) and inertia about the origin of
+    the link frame (kg m², products as matrix entries), in link axes; grouped base parameters are
+    welcome. `IA` is the rotor inertia seen at the joint (kg m² or kg).
+
+    Raises InputError where a value is not finite, a flag is not 0 or 1, M or IA is negative, or I
+    is not symmetric.
+    """
+
+    antecedent: int
+    sigma: int
+    mu: int = 0
+    gamma: float = 0.0
+    b: float = 0.0
+    alpha: float = 0.0
+    d: float = 0.0
+    theta: float = 0.0
+    r: float = 0.0
+    M: float = 0.0
+    MS: ArrayLike = (0.0, 0.0, 0.0)
+    I: ArrayLike = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
+    IA: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("sigma", "mu"):
+            if getattr(self, name) not in (0, 1):
+                raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
+        for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA"):
+            object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
+        for name in ("M", "IA"):
+            if getattr(self, name) < 0:
+                raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
+        object.__setattr__(self, "MS", finite("Joint.MS", self.MS, (3,)))
+        inertia = finite("Joint.I", self.I, (3, 3))
+        if not np.allclose(inertia, inertia.T, rtol=0, atol=1e-12 * np.abs(inertia).max()):
+            raise InputError("Joint.I is not symmetric; give products of inertia as matrix entries")
+        object.__setattr__(self, "I", inertia)
+
+
+@dataclass(frozen=True, eq=False)
+class Tip:
+    """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1) holds
+    the platform's attachment number `attachment` (from 0)."""
+
+    frame: int
+    offset: ArrayLike = (0.0, 0.0, 0.0)
+    attachment: int = 0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "offset", finite("Tip.offset", self.offset, (3,)))
+        if self.attachment < 0:
+            raise InputError(f"Tip.attachment is {self.attachment}; attachments count from 0")
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A rigid tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
+
+    Raises InputError where the tree has a loop or a tip is on no link.
+    """
+
+    rotation: ArrayLike
+    origin: ArrayLike
+    joints: tuple[Joint, ...]
+    tips: tuple[Tip, ...]
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "rotation", rotation_matrix("Leg.rotation", self.rotation))
+        object.__setattr__(self, "origin", finite("Leg.origin", self.origin, (3,)))
+        object.__setattr__(self, "joints", tuple(self.joints))
+        object.__setattr__(self, "tips", tuple(self.tips))
+        for number, joint in enumerate(self.joints, start=1):
+            if not 0 <= joint.antecedent < number:
+                raise InputError(
+                    f"Leg.joints: joint {number} has antecedent {joint.antecedent}; it must be a "
+                    f"lower joint number, or 0 for the base, so that the tree has no loop"
+                )
+        if not self.tips:
+            raise InputError("Leg.tips is empty; a leg holds the platform by at least one tip")
+        for tip in self.tips:
+            if not 1 <= tip.frame <= len(self.joints):
+                raise InputError(
+                    f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}"
+                )
+
+    @property
+    def structure(self) -> tuple[object, ...]:
+        """What two legs must share to be computed in one pass."""
+        joints = tuple((j.antecedent, j.sigma, j.mu) for j in self.joints)
+        return joints, tuple(t.frame for t in self.tips)
+
+    @property
+    def word(self) -> str:
+        """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'."""
+        return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints)
+
+
+class LegType(ABC):
+    """Closed-form inverse geometry of one kind of leg, found by its table."""
+
+    name: str
+
+    @abstractmethod
+    def recognises(self, leg: Leg) -> bool:
+        """Whether the formulas of this type hold for the leg's table."""
+
+    @abstractmethod
+    def joints(self, chain: Chain, offsets: Array, tips: Array) -> Joints:
+        """Joint variables from the tip positions (…, L, t, 3) in Σ0i; `offsets` (L, t, 3)."""
+
+    @abstractmethod
+    def rates(self, chain: Chain, frame: Frames, joints: Joints, tips: Array, v: Array) -> Array:
+        """Joint rates q̇ (…, L, n) from tip positions and velocities (…, L, t, 3) in Σ0i."""
+
+    @abstractmethod
+    def margins(self, chain: Chain, joints: Joints, offsets: Array) -> tuple[Array, Array]:
+        """Two margins (…, L), about 1 where all is well: the first is not positive where the leg
+        cannot reach its tips, the second is zero where its inverse geometry is singular."""

@@ -1,0 +1,41 @@
+"""Modal data of a free platform, whatever computed it, and its inertia integrals."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from parflex.array import Array
+
+
+class Moments(NamedTuple):
+    """Inertia integrals of the undeformed body about the origin of its coordinates; SI units.
+
+    With Φ_k the displacement shapes: m, MS0 = ∫ r dm, P0 = ∫ r rᵀ dm, S = ∫ Φ dm,
+    P1_k = ∫ Φ_k rᵀ dm, P2_kj = ∫ Φ_k Φ_jᵀ dm.
+    """
+
+    m: float
+    MS0: Array  # (3,)
+    P0: Array  # (3, 3)
+    S: Array  # (3, N)
+    P1: Array  # (N, 3, 3)
+    P2: Array  # (N, N, 3, 3)
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """Elastic modes of a free body, rigid modes removed, normalised to unit modal mass.
+
+    nodes (K, 3) m; triangles (T, 3) of the surface; shapes Φ_d (N, K, 3) kg^-½ and rotations Φ_r
+    (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
+    corners are the node numbers held by default; `source` says what computed them.
+    """
+
+    nodes: Array
+    triangles: Array
+    shapes: Array
+    rotations: Array | None
+    frequencies: Array
+    frequency_error: Array
+    moments: Moments
+    corners: tuple[int, ...]
+    source: str

@@ -1,0 +1,172 @@
+"""Simulation: the direct model integrated in time, driven by forces or a controller (Fig. 3)."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.integrate import DOP853
+
+from parflex.array import Array
+from parflex.check import exactly, positive
+from parflex.control import Controller, Law, as_law
+from parflex.errors import InputError
+from parflex.progress import Progress
+from parflex.result import Result
+from parflex.singular import check_legs
+from parflex.state import State, Wrench, pack, unpack
+from parflex.wrench import generalised_force
+
+if TYPE_CHECKING:
+    from parflex.model import Model
+
+Loads = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
+WORKS = 3  # actuators, external wrenches, damping: integrated beside the state
+
+
+class Run(NamedTuple):
+    """What the integration leaves: rows at the output times that were reached."""
+
+    t: Array  # (T,)
+    x: Array  # (T, 13 + 2N)
+    works: Array  # (T, 3) J
+    stopped: str  # why it ended early; empty where it did not
+
+
+def simulate(
+    model: "Model",
+    forces_or_controller: Any,
+    state: State,
+    t: ArrayLike,
+    rtol: float = 1e-8,
+    atol: float = 1e-10,
+    wrenches: Loads = (),
+) -> Result:
+    """The motion from `state` on, at the times t (T,) s, by an eighth-order adaptive method.
+
+    Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,); wrenches on
+    platform nodes are constant, or a function of time. rtol and atol bound the local error of the
+    state. The works of actuators, wrenches and damping are integrated with it.
+
+    Ctrl-C, a step size that vanishes, a pose out of reach or a singular one end the run: what was
+    reached is returned, with `result.partial` true and `result.stopped` saying why.
+
+    Raises InputError before any work for wrong shapes, times that do not increase, or a start that
+    the model or controller refuses.
+    """
+    times = exactly("t", t, (None,))
+    if len(times) < 2 or np.any(np.diff(times) <= 0):
+        raise InputError("t must hold at least two times, each later than the one before")
+    positive("rtol", rtol), positive("atol", atol)
+    start = pack(state, model.robot.platform.modes)
+    if start.ndim != 1:
+        raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
+    law = as_law(model, forces_or_controller)
+    loads = wrench_law(model, wrenches)
+    run = integrate(model, law, loads, start, times, rtol, atol)
+    u, w = control_history(law, loads, run)
+    trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
+    settings = {"rtol": rtol, "atol": atol, "integrator": "DOP853"}
+    return Result.of_run(model, run, u, w, trajectory, settings)
+
+
+def integrate(
+    model: "Model",
+    law: Law,
+    loads: Callable[[float, Array], Array],
+    start: Array,
+    times: Array,
+    rtol: float,
+    atol: float,
+) -> Run:
+    """Steps of the integrator, read out at the output times."""
+    rate = RightHandSide(model, law, loads)
+    y = np.concatenate([start, np.zeros(WORKS)])
+    rate.first(times[0], y)
+    solver = DOP853(rate, times[0], y, times[-1], rtol=rtol, atol=atol)
+    rows, done, stopped = [y], 1, ""
+    with Progress("simulate", times[-1] - times[0]) as bar:
+        try:
+            while solver.status == "running" and done < len(times):
+                solver.step()
+                if solver.status == "failed":
+                    stopped = str(rate.refused or "the step size vanished; the motion diverges")
+                    break
+                reached = int(np.searchsorted(times, solver.t, side="right"))
+                if reached > done:
+                    read = solver.dense_output()
+                    rows += [read(time) for time in times[done:reached]]
+                    done = reached
+                bar.to(solver.t - times[0])
+        except KeyboardInterrupt:
+            stopped = "interrupted"
+        except Exception as error:  # whatever a caller's controller raises must not cost the run
+            stopped = f"{type(error).__name__}: {error}"
+    if stopped:
+        stopped = f"at t = {solver.t:.6g} s: {stopped}"
+    kept = np.array(rows)
+    x = kept[:, :-WORKS]
+    x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)
+    return Run(times[: len(kept)], x, kept[:, -WORKS:], stopped)
+
+
+class RightHandSide:
+    """ẏ for y = (flat state, works), on buffers of its own.
+
+    Where the model or the controller refuses a trial state, the answer is not a number: the
+    integrator then shortens its step, and ends when that does not help.
+    """
+
+    def __init__(self, model: "Model", law: Law, loads: Callable[[float, Array], Array]) -> None:
+        function = model.function("derivative")
+        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
+        self._outputs = [np.zeros(n) for n in function.kernel.outputs]
+        self._trigger = function.bind(self._inputs, self._outputs)
+        self._robot, self._law, self._loads = model.robot, law, loads
+        self.refused: InputError | None = None
+
+    def first(self, t: float, y: Array) -> Array:
+        """As a call, but what refuses the state is raised."""
+        (x, u, w), (xd, powers, margins) = self._inputs, self._outputs
+        x[:] = y[:-WORKS]
+        w[:] = self._loads(t, x)
+        u[:] = self._law(t, x, w)
+        self._trigger()
+        check_legs(self._robot, margins)
+        return np.concatenate([xd, powers])
+
+    def __call__(self, t: float, y: Array) -> Array:
+        try:
+            found = self.first(t, y)
+            self.refused = None
+        except InputError as error:
+            self.refused = error
+            found = np.full(len(y), np.nan)
+        return found
+
+
+def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Array]:
+    """External generalised forces (6 + N,) as a function of time and flat state."""
+    body = model.robot.platform
+    given = wrenches if callable(wrenches) else lambda t: wrenches
+    if not callable(wrenches) and not wrenches:
+        none = np.zeros(6 + body.modes)
+        return lambda t, x: none
+    return lambda t, x: generalised_force(body, unpack(x, body.modes), given(t))
+
+
+def control_history(
+    law: Law, loads: Callable[[float, Array], Array], run: Run
+) -> tuple[Array, Array]:
+    """Forces (T, m) and external generalised forces (T, 6 + N) at the output times.
+
+    Where a run stopped because the law failed, so may its last rows: they are not numbers.
+    """
+    w = np.array([loads(t, x) for t, x in zip(run.t, run.x, strict=True)])
+    u = []
+    for t, x, load in zip(run.t, run.x, w, strict=True):
+        try:
+            u.append(np.array(law(t, x, load)))
+        except InputError:
+            u.append(np.full(np.shape(u[0]), np.nan))
+    return np.array(u), w
