@@ -97,10 +97,19 @@ def without_roundoff(values: Array, scale: float | None = None, tolerance: float
     return np.where(np.abs(values) <= tolerance * scale, 0.0, values)
 
 
+def lapack_solve(a: Array, b: Array) -> Array:
+    """x with a x = b for floats; not a number where a is singular, whatever else is in the batch."""
+    try:
+        return np.linalg.solve(a, b)
+    except np.linalg.LinAlgError:
+        bad = ~(np.abs(np.linalg.det(a)) > 0)[..., None, None]
+        return np.where(bad, np.nan, np.linalg.solve(np.where(bad, np.eye(a.shape[-1]), a), b))
+
+
 def solve_definite(a: Array, b: Array) -> Array:
     """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c)."""
     if a.dtype != object:
-        return np.linalg.solve(a, b.astype(float))
+        return lapack_solve(a, b)
     n = a.shape[-1]
     scaled: dict[tuple[int, int], Array] = {}  # entries of L D
     lower: dict[tuple[int, int], Array] = {}  # entries of L, each divided once
@@ -122,7 +131,7 @@ def solve_definite(a: Array, b: Array) -> Array:
         for k in range(i + 1, n):
             row = row - lower[k, i][..., None] * x[k]
         x[i] = row
-    return stack(x, axis=-2)
+    return stack(x, axis=-2) if x else b
 
 
 def solve_least_norm(a: Array, b: Array) -> Array:
@@ -132,7 +141,7 @@ def solve_least_norm(a: Array, b: Array) -> Array:
     """
     if a.dtype != object:
         q, r = np.linalg.qr(transpose(a))
-        return mv(q, np.linalg.solve(transpose(r), b[..., None])[..., 0])
+        return mv(q, lapack_solve(transpose(r), b[..., None])[..., 0])
     columns: list[Array] = []
     y: list[Array] = []
     for i in range(a.shape[-2]):

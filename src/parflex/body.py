@@ -144,7 +144,7 @@ class FlexibleBody:
         inertia = exactly("inertia_at_com", inertia_at_com, (3, 3))
         second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
         lowest = np.linalg.eigvalsh(second)[0]
-        symmetric = np.allclose(inertia, inertia.T, rtol=1e-9, atol=0)
+        symmetric = np.allclose(inertia, inertia.T, rtol=0, atol=1e-9 * np.trace(inertia))
         if not symmetric or lowest < -1e-9 * np.trace(inertia):
             raise InputError(
                 "inertia_at_com is not the inertia of a body: it must be symmetric, with principal "

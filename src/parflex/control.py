@@ -19,7 +19,17 @@ from parflex.trajectory import Trajectory
 if TYPE_CHECKING:
     from parflex.model import Model
 
-Law = Callable[[float, Array, Array], Array]  # (t, flat state, external wrench) -> forces (m,)
+
+class Law(ABC):
+    """A controller bound to a model, on flat vectors, for one simulation."""
+
+    @abstractmethod
+    def __call__(self, t: float, x: Array, w: Array) -> Array:
+        """Forces (m,) for the flat state and the external generalised force (6 + N,)."""
+
+    def explain(self) -> str:
+        """Why the motion may have failed after the last call; empty where the law knows nothing."""
+        return ""
 
 
 class Controller(ABC):
@@ -58,25 +68,34 @@ class ComputedTorque(Controller):
         return self.bind(self.model)(t, pack(state, modes), np.zeros(6 + modes))
 
     def bind(self, model: "Model") -> Law:
-        robot, output = model.robot, FrameOutput()
+        return Tracking(model, self.trajectory, np.concatenate([np.zeros(6) + self.kp, np.zeros(6) + self.kd]))
+
+
+class Tracking(Law):
+    """Computed torque on buffers of its own."""
+
+    def __init__(self, model: "Model", trajectory: Trajectory, gains: Array) -> None:
+        output = FrameOutput()
         function = model.function("tracking", output)
-        x, wanted, gains, w = inputs = [np.zeros(n) for n in function.kernel.inputs]
-        forces, gain, Jp_invT, margins = results = [np.zeros(n) for n in function.kernel.outputs]
-        trigger = function.bind(inputs, results)
-        gains[:6], gains[6:] = self.kp, self.kd
-        watch = singular.Watch(robot.n_forces)
+        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
+        self._results = [np.zeros(n) for n in function.kernel.outputs]
+        self._trigger = function.bind(self._inputs, self._results)
+        self._inputs[2][:] = gains
+        self._robot, self._trajectory = model.robot, trajectory
+        self._watch = singular.Watch(model.robot, output)
 
-        def law(t: float, state: Array, wrench: Array) -> Array:
-            x[:], w[:] = state, wrench
-            sample = self.trajectory.sample(t)
-            np.concatenate([part.reshape(-1) for part in sample], out=wanted)
-            trigger()
-            singular.check_legs(robot, margins)
-            if not watch(gain, Jp_invT):
-                singular.check_gain(robot, output, gain, Jp_invT)
-            return forces
+    def __call__(self, t: float, x: Array, w: Array) -> Array:
+        own_x, wanted, _, own_w = self._inputs
+        forces, gain, Jp_invT, margins = self._results
+        own_x[:], own_w[:] = x, w
+        np.concatenate([part.reshape(-1) for part in self._trajectory.sample(t)], out=wanted)
+        self._trigger()
+        singular.check_legs(self._robot, margins)
+        self._watch.look(gain, Jp_invT)
+        return forces
 
-        return law
+    def explain(self) -> str:
+        return self._watch.explain(self._results[1])
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,19 +121,52 @@ class JointPD(Controller):
             object.__setattr__(self, name, value)
 
     def bind(self, model: "Model") -> Law:
+        return Springs(model, self)
+
+
+class Springs(Law):
+    """Joint springs and dampers on buffers of their own."""
+
+    def __init__(self, model: "Model", control: JointPD) -> None:
         function = model.function("actuators")
-        x, q, qd = np.zeros(function.kernel.inputs[0]), *(np.zeros(n) for n in function.kernel.outputs)
-        trigger = function.bind([x], [q, qd])
-        x[:] = pack(self.reference, model.robot.platform.modes)
-        trigger()
-        wanted = q.copy()
+        self._x = np.zeros(function.kernel.inputs[0])
+        self._q, self._qd = (np.zeros(n) for n in function.kernel.outputs)
+        self._trigger = function.bind([self._x], [self._q, self._qd])
+        self._control = control
+        self._x[:] = pack(control.reference, model.robot.platform.modes)
+        self._trigger()
+        self._wanted = self._q.copy()
 
-        def law(t: float, state: Array, wrench: Array) -> Array:
-            x[:] = state
-            trigger()
-            return self.forces + self.kp * (wanted - q) - self.kd * qd
+    def __call__(self, t: float, x: Array, w: Array) -> Array:
+        self._x[:] = x
+        self._trigger()
+        c = self._control
+        return c.forces + c.kp * (self._wanted - self._q) - c.kd * self._qd
 
-        return law
+
+@dataclass(frozen=True)
+class Called(Law):
+    """A caller's function (t, state) -> forces (m,)."""
+
+    function: Callable[[float, State], ArrayLike]
+    forces: int
+    modes: int
+
+    def __call__(self, t: float, x: Array, w: Array) -> Array:
+        found = finite("controller(t, state)", self.function(t, unpack(x, self.modes)))
+        if found.shape != (self.forces,):
+            raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({self.forces},)")
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Constant(Law):
+    """The same forces at all times."""
+
+    forces: Array
+
+    def __call__(self, t: float, x: Array, w: Array) -> Array:
+        return self.forces
 
 
 def as_law(model: "Model", given: Any) -> Law:
@@ -123,19 +175,11 @@ def as_law(model: "Model", given: Any) -> Law:
     if isinstance(given, Controller):
         return given.bind(model)
     if callable(given):
-        modes = model.robot.platform.modes
-
-        def called(t: float, state: Array, wrench: Array) -> Array:
-            forces = finite("controller(t, state)", given(t, unpack(state, modes)))
-            if forces.shape != (m,):
-                raise InputError(f"controller(t, state) gave shape {forces.shape}; expected ({m},)")
-            return forces
-
-        return called
+        return Called(given, m, model.robot.platform.modes)
     constant = finite("forces_or_controller", given)
     if constant.shape != (m,):
         raise InputError(
             f"forces_or_controller has shape {constant.shape}; give forces ({m},), a Controller, or "
             f"a function (t, state) -> forces ({m},)"
         )
-    return lambda t, state, wrench: constant
+    return Constant(constant)

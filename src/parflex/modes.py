@@ -27,7 +27,8 @@ class Modes:
 
     nodes (K, 3) m; triangles (T, 3) of the surface; shapes Φ_d (N, K, 3) kg^-½ and rotations Φ_r
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
-    corners are the node numbers held by default; `source` says what computed them.
+    corners are the node numbers held by default; `source` says what computed them, `notes` what a
+    reader of results must know.
     """
 
     nodes: Array
@@ -39,3 +40,4 @@ class Modes:
     moments: Moments
     corners: tuple[int, ...]
     source: str
+    notes: tuple[str, ...] = ()

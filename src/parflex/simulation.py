@@ -41,12 +41,15 @@ def simulate(
     rtol: float = 1e-8,
     atol: float = 1e-10,
     wrenches: Loads = (),
+    max_step: float | None = None,
 ) -> Result:
     """The motion from `state` on, at the times t (T,) s, by an eighth-order adaptive method.
 
-    Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,); wrenches on
-    platform nodes are constant, or a function of time. rtol and atol bound the local error of the
-    state. The works of actuators, wrenches and damping are integrated with it.
+    Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,), which is called
+    again at the output times; wrenches on platform nodes are constant, or a function of time. rtol
+    and atol bound the local error, max_step (s) the step, by default a fiftieth of the run so that
+    no short event is stepped over. The works of actuators, wrenches and damping are integrated with
+    the state.
 
     Ctrl-C, a step size that vanishes, a pose out of reach or a singular one end the run: what was
     reached is returned, with `result.partial` true and `result.stopped` saying why.
@@ -63,11 +66,12 @@ def simulate(
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
     law = as_law(model, forces_or_controller)
     loads = wrench_law(model, wrenches)
-    run = integrate(model, law, loads, start, times, rtol, atol)
+    longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
+    tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
+    run = integrate(model, law, loads, start, times, tolerances)
     u, w = control_history(law, loads, run)
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
-    settings = {"rtol": rtol, "atol": atol, "integrator": "DOP853"}
-    return Result.of_run(model, run, u, w, trajectory, settings)
+    return Result.of_run(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
 
 def integrate(
@@ -76,34 +80,34 @@ def integrate(
     loads: Callable[[float, Array], Array],
     start: Array,
     times: Array,
-    rtol: float,
-    atol: float,
+    tolerances: dict[str, float],
 ) -> Run:
     """Steps of the integrator, read out at the output times."""
     rate = RightHandSide(model, law, loads)
     y = np.concatenate([start, np.zeros(WORKS)])
     rate.first(times[0], y)
-    solver = DOP853(rate, times[0], y, times[-1], rtol=rtol, atol=atol)
-    rows, done, stopped = [y], 1, ""
+    rows, done, reached_t, stopped = [y], 1, times[0], ""
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:
+            solver = DOP853(rate, times[0], y, times[-1], **tolerances)
             while solver.status == "running" and done < len(times):
                 solver.step()
                 if solver.status == "failed":
-                    stopped = str(rate.refused or "the step size vanished; the motion diverges")
+                    stopped = str(rate.refused or law.explain() or "the step size vanished: it diverges")
                     break
                 reached = int(np.searchsorted(times, solver.t, side="right"))
                 if reached > done:
                     read = solver.dense_output()
                     rows += [read(time) for time in times[done:reached]]
                     done = reached
-                bar.to(solver.t - times[0])
+                reached_t, rate.refused = solver.t, None
+                bar.to(reached_t - times[0])
         except KeyboardInterrupt:
             stopped = "interrupted"
         except Exception as error:  # whatever a caller's controller raises must not cost the run
             stopped = f"{type(error).__name__}: {error}"
     if stopped:
-        stopped = f"at t = {solver.t:.6g} s: {stopped}"
+        stopped = f"at t = {reached_t:.6g} s: {stopped}"
     kept = np.array(rows)
     x = kept[:, :-WORKS]
     x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)
@@ -123,7 +127,7 @@ class RightHandSide:
         self._outputs = [np.zeros(n) for n in function.kernel.outputs]
         self._trigger = function.bind(self._inputs, self._outputs)
         self._robot, self._law, self._loads = model.robot, law, loads
-        self.refused: InputError | None = None
+        self.refused: InputError | None = None  # why, since somebody last set it to None
 
     def first(self, t: float, y: Array) -> Array:
         """As a call, but what refuses the state is raised."""
@@ -137,12 +141,10 @@ class RightHandSide:
 
     def __call__(self, t: float, y: Array) -> Array:
         try:
-            found = self.first(t, y)
-            self.refused = None
+            return self.first(t, y)
         except InputError as error:
             self.refused = error
-            found = np.full(len(y), np.nan)
-        return found
+            return np.full(len(y), np.nan)
 
 
 def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Array]:

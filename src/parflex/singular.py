@@ -20,7 +20,7 @@ def check_legs(robot: Robot, margins: Array) -> None:
         return
     reach, regular, numbers = split_margins(robot, margins)
     for bad, error, what in (
-        (~(reach > 0), OutOfReach, "cannot reach its attachment; move the pose or the base"),
+        (~(reach > SINGULAR), OutOfReach, "cannot reach its attachment; move the pose or the base"),
         (~(regular > SINGULAR), SingularPose, "is singular (its passive joints lock); move the pose"),
     ):
         if np.any(bad):
@@ -69,25 +69,42 @@ def check_gain(robot: Robot, output: FrameOutput, gain: Array, Jp_invT: Array) -
 
 
 class Watch:
-    """A quick look during a motion: whether the gains are certainly those of a regular pose.
+    """A look at the gains during a motion, quick where the robot has six actuators.
 
     The determinants of ∂V̇_p/∂Γ and J_p⁻ᵀ keep equal signs, and J_p⁻ᵀ the one it started with, until
-    a singularity is crossed. Robots without six actuators are always looked at in full.
+    a singularity is crossed.
     """
 
-    def __init__(self, forces: int) -> None:
-        self._square = forces == 6
-        self._start = 0.0
+    def __init__(self, robot: Robot, output: FrameOutput) -> None:
+        self._robot, self._output = robot, output
+        self._start: tuple[Array, float] | None = None  # gain and det J_p⁻ᵀ at the first look
 
-    def __call__(self, gain: Array, Jp_invT: Array) -> bool:
-        """True where nothing is wrong; raises SingularPose where J_p⁻ᵀ has changed its sign."""
-        if not self._square:
-            return False
+    def look(self, gain: Array, Jp_invT: Array) -> None:
+        """Raise SingularPose where the inverse model has ceased to exist."""
+        if self._robot.n_forces != 6 or self._output.size != 6:
+            check_gain(self._robot, self._output, gain, Jp_invT)
+            return
         flexible, rigid = np.linalg.det(np.concatenate([gain, Jp_invT]).reshape(2, 6, 6))
-        self._start = self._start or rigid
-        if rigid * self._start < 0:
+        if self._start is None:
+            self._start = gain.copy(), float(rigid)
+        if rigid * self._start[1] < 0:
             raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
-        return bool(flexible * rigid > 0)
+        if not flexible * rigid > 0:
+            check_gain(self._robot, self._output, gain, Jp_invT)
+
+    def explain(self, gain: Array) -> str:
+        """Whether the motion has run into a dynamic singularity without crossing it."""
+        if self._start is None:
+            return ""
+        shape = (self._output.size, self._robot.n_forces)
+        scale = self._output.lengths(platform_size(self._robot))[:, None]
+        now, start = (ratio(scale * a.reshape(shape)) for a in (gain, self._start[0]))
+        if now > 0.05 * start:
+            return ""
+        return (
+            f"a dynamic singularity is near: the weakest gain from forces to acceleration has fallen "
+            f"to {now / start:.1e} of its value at the start"
+        )
 
 
 def report_parallel(rigid: Array, lengths: Array) -> None:

@@ -1,5 +1,6 @@
 """What a backend is: it turns a kernel into something that runs on float arrays."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
@@ -47,7 +48,7 @@ def flat_batch(kernel: Kernel, inputs: Sequence[Array]) -> tuple[tuple[int, ...]
     """The batch shape and the inputs as contiguous (B, n_i)."""
     batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
     rows = [
-        np.ascontiguousarray(np.broadcast_to(a, batch + (n,)).reshape(-1, n), dtype=float)
+        np.ascontiguousarray(np.broadcast_to(a, batch + (n,)).reshape(math.prod(batch), n), dtype=float)
         for a, n in zip(inputs, kernel.inputs, strict=True)
     ]
     return batch, rows

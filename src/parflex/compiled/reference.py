@@ -17,7 +17,8 @@ class NumpyFunction(Function):
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
-        found = self.kernel.function(*inputs)
+        with np.errstate(divide="ignore", invalid="ignore"):  # a bad pose shows in the leg margins
+            found = self.kernel.function(*inputs)
         return tuple(
             np.array(np.broadcast_to(a, batch + (n,)), dtype=float)
             for a, n in zip(found, self.kernel.outputs, strict=True)
@@ -30,7 +31,7 @@ class NumpyFunction(Function):
         ]
 
         def trigger() -> None:
-            for out, value in zip(outputs, self.kernel.function(*given), strict=True):
+            for out, value in zip(outputs, self(*given), strict=True):
                 if out is not None:
                     out[:] = value
 

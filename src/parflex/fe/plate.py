@@ -4,6 +4,7 @@
 """
 
 import warnings
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -72,12 +73,15 @@ def plate_modes(
         raise InputError(f"refine is {refine}; it must be at least 1")
     fine = solve_plate(corners, section, n_modes, refine)
     coarse = solve_plate(corners, section, n_modes, refine - 1)
-    warn_of_cut_pair(fine.frequencies, n_modes)
+    notes = cut_pair(fine.frequencies, n_modes)
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
     kept = PlateSolution(fine.basis, fine.frequencies[:n_modes], fine.coefficients[:, :n_modes])
     known = min(n_modes, len(coarse.frequencies))
     error = np.full(n_modes, np.nan)
     error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
-    return tabulate(kept, section, len(corners), error, refine)
+    modes = tabulate(kept, section, len(corners), refine)
+    return replace(modes, frequency_error=error, notes=notes)
 
 
 def convex_polygon(polygon: ArrayLike) -> Array:
@@ -211,15 +215,15 @@ def close(frequencies: Array, i: int) -> bool:
     return bool(frequencies[i] - frequencies[i - 1] < DEGENERATE * frequencies[i])
 
 
-def warn_of_cut_pair(frequencies: Array, n_modes: int) -> None:
-    """Say so where the last mode asked for and the next one are degenerate."""
-    if 0 < n_modes < len(frequencies) and close(frequencies, n_modes):
-        warnings.warn(
-            f"{n_modes} modes cut a degenerate pair in two (modes {n_modes} and {n_modes + 1}, "
-            f"{frequencies[n_modes - 1]:.2f} rad/s): results depend on the pair's orientation; "
-            f"{n_modes - 1} or {n_modes + 1} modes do not",
-            stacklevel=3,
-        )
+def cut_pair(frequencies: Array, n_modes: int) -> tuple[str, ...]:
+    """A note where the last mode asked for and the next one are degenerate."""
+    if not 0 < n_modes < len(frequencies) or not close(frequencies, n_modes):
+        return ()
+    return (
+        f"{n_modes} modes cut a degenerate pair in two (modes {n_modes} and {n_modes + 1}, "
+        f"{frequencies[n_modes - 1]:.2f} rad/s): results depend on the pair's orientation; "
+        f"{n_modes - 1} or {n_modes + 1} modes do not",
+    )
 
 
 class PlateFields(NamedTuple):
@@ -277,9 +281,7 @@ def modal_mass(left: PlateFields, right: PlateFields, section: Section, dx: Arra
     return section.a * (left.w * dx) @ right.w.T + section.b * rotary
 
 
-def tabulate(
-    solution: PlateSolution, section: Section, corners: int, error: Array, refine: int
-) -> Modes:
+def tabulate(solution: PlateSolution, section: Section, corners: int, refine: int) -> Modes:
     """Shapes at the nodes and the moment tensors of a plate that moves as (−z ∇w, w)."""
     basis = solution.basis
     inside, at_nodes = sampled(solution, section)
@@ -291,7 +293,7 @@ def tabulate(
         shapes=np.stack([still, still, w], axis=-1),
         rotations=np.stack([w_y, -w_x, still], axis=-1),
         frequencies=solution.frequencies,
-        frequency_error=error,
+        frequency_error=np.full(len(w), np.nan),
         moments=plate_moments(inside, section, *quadrature(basis)),
         corners=tuple(range(1, corners + 1)),
         source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",

@@ -132,5 +132,5 @@ class LegType(ABC):
 
     @abstractmethod
     def margins(self, chain: Chain, joints: Joints, offsets: Array) -> tuple[Array, Array]:
-        """Two margins (…, L), about 1 where all is well: the first is not positive where the leg
+        """Two margins (…, L), of order 1 where all is well: the first is not positive where the leg
         cannot reach its tips, the second is zero where its inverse geometry is singular."""

@@ -8,6 +8,7 @@ from parflex.array import Array
 from parflex.body import FlexibleBody
 from parflex.errors import InputError
 from parflex.legs import Joint, Leg, Tip
+from parflex.modes import Modes
 from parflex.robot import Robot
 from parflex.spatial import rotation_about_z
 
@@ -101,19 +102,31 @@ def links() -> tuple[Joint, ...]:
     return tuple(joints)
 
 
-def plate(modes: int, frequencies: str = "converged", damping_ratio: float = DAMPING_RATIO) -> FlexibleBody:
-    """The hexagonal plate with its first modes, held at its corners; Σp at its centre."""
+def plate(modes: int, frequencies: str = "converged") -> Modes:
+    """The first modes of the free hexagonal plate, with computed or published frequencies.
+
+    Raises InputError for a negative number of modes or an unknown choice of frequencies.
+    """
     from parflex.fe import plate_modes
 
+    if frequencies not in ("converged", "published"):
+        raise InputError(f'frequencies is {frequencies!r}; choose "converged" or "published"')
+    if modes < 0:
+        raise InputError(f"modes is {modes}; it must be 0 (rigid) or more")
+    if frequencies == "published" and modes > len(TABLE_2):
+        raise InputError(
+            f'modes is {modes}, but frequencies="published" has the {len(TABLE_2)} of Table 2; '
+            f'ask for at most {len(TABLE_2)}, or use frequencies="converged"'
+        )
     computed = plate_modes(corners(), n_modes=modes, **PLATE)
     if frequencies == "published":
-        if modes > len(TABLE_2):
-            raise InputError(
-                f'modes is {modes}, but frequencies="published" has the {len(TABLE_2)} of Table 2; '
-                f'ask for at most {len(TABLE_2)}, or use frequencies="converged"'
-            )
         computed = replace(computed, frequencies=np.array(TABLE_2[:modes]))
-    return FlexibleBody.from_modes(computed, origin=(0.0, 0.0, 0.0), damping_ratio=damping_ratio)
+    return computed
+
+
+def held(modes: Modes, damping_ratio: float = DAMPING_RATIO) -> FlexibleBody:
+    """The plate as the robot's platform: held at its corners, Σp at its centre."""
+    return FlexibleBody.from_modes(modes, origin=(0.0, 0.0, 0.0), damping_ratio=damping_ratio)
 
 
 def gough_stewart(
@@ -124,20 +137,16 @@ def gough_stewart(
 ) -> Robot:
     """The Gough–Stewart robot of the paper's Section 6.
 
-    modes is the number of elastic modes of the plate, 0 for a rigid one. frequencies is
-    "converged" (computed) or "published" (ω_1 … ω_10 of Table 2 with the computed shapes).
-    A platform of your own replaces the plate; it needs six attachments.
+    modes is the number of elastic modes of the plate, 0 for a rigid one; the default, the paper's
+    ten, cuts a degenerate pair in two and warns of it. frequencies is "converged" (computed) or
+    "published" (ω_1 … ω_10 of Table 2 with the computed shapes). A platform of your own replaces
+    the plate; it needs six attachments.
 
     Raises InputError for a negative number of modes or an unknown choice of frequencies.
     """
-    if frequencies not in ("converged", "published"):
-        raise InputError(f'frequencies is {frequencies!r}; choose "converged" or "published"')
-    if modes < 0:
-        raise InputError(f"modes is {modes}; it must be 0 (rigid) or more")
-    if platform is None:
-        platform = plate(modes, frequencies, damping_ratio)
+    body = held(plate(modes, frequencies), damping_ratio) if platform is None else platform
     legs = tuple(
         Leg(rotation, origin, links(), (Tip(3, attachment=i),))
         for i, (rotation, origin) in enumerate(base_frames())
     )
-    return Robot(legs, platform, home_pose=(HOME, np.eye(3)))
+    return Robot(legs, body, home_pose=(HOME, np.eye(3)))

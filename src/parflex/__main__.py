@@ -1,0 +1,5 @@
+"""`python -m parflex`."""
+
+from parflex.cli import run
+
+run()

@@ -1,0 +1,234 @@
+"""The command `parflex`."""
+
+import sys
+import time
+import warnings
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+import parflex
+from parflex.errors import InputError
+
+app = typer.Typer(
+    no_args_is_help=True,
+    add_completion=True,
+    rich_markup_mode="markdown",
+    pretty_exceptions_enable=False,
+    help="Dynamics of parallel robots with flexible platforms.\n\n"
+    "Start with `parflex paper`: it flies the robot of the paper and draws its figures.",
+)
+console = Console()
+complaints = Console(stderr=True, highlight=False)
+
+Out = Annotated[Path, typer.Option(help="Folder for results and pictures; made if it is not there.")]
+ImageFormat = Annotated[str, typer.Option("--format", help="Kind of pictures: png, pdf or svg.")]
+
+
+def version(wanted: bool) -> None:
+    """Print the version and stop."""
+    if wanted:
+        console.print(f"parflex {parflex.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def main(
+    show: Annotated[
+        bool, typer.Option("--version", callback=version, is_eager=True, help="Print the version.")
+    ] = False,
+) -> None:
+    """Dynamics of parallel robots with flexible platforms."""
+
+
+@app.command()
+def paper(
+    out: Out = Path("parflex-paper"),
+    modes: Annotated[int, typer.Option(help="Elastic modes of the plate; the paper has ten.")] = 10,
+    rigid: Annotated[bool, typer.Option("--rigid", help="A rigid plate: no modes.")] = False,
+    frequencies: Annotated[
+        str, typer.Option(help='"converged" (computed) or "published" (Table 2; at most ten modes).')
+    ] = "converged",
+    undeformed: Annotated[
+        bool, typer.Option("--undeformed", help="Start flat, not sagging under its own weight.")
+    ] = False,
+    backend: Annotated[str, typer.Option(help='"auto", "vm" or "numpy".')] = "auto",
+    image: ImageFormat = "png",
+) -> None:
+    """Fly Section 6 of the paper and draw its figures.
+
+    The modes of the hexagonal plate are computed, the Gough-Stewart robot is assembled, the
+    inverse model drives it along a trajectory through three poses, the direct model is integrated,
+    and Table 2 and Figs. 4-7 are drawn beside a picture of the bent robot.
+
+    Examples:
+
+    `parflex paper` - ten modes, as in the paper
+
+    `parflex paper --modes 11 --out eleven` - a whole degenerate pair instead of half of one
+
+    `parflex paper --rigid` - the same motion with a rigid plate
+    """
+    from parflex import paper as section
+
+    check_format(image)
+    start = time.perf_counter()
+    done = section.run(
+        0 if rigid else modes, frequencies, undeformed, backend, say=lambda words: step(start, words)
+    )
+    step(start, "saving the result")
+    saved = done.result.save(out / "result.nc")
+    if done.result.partial:
+        console.print(f"[yellow]stopped {done.result.stopped}[/]; the result is partial")
+    step(start, "drawing the figures")
+    pictures = section.figures(done, out, image)
+    if len(done.modes.frequencies):
+        console.print(frequency_table(done.modes, section.TABLE_2))
+    for note in str(done.result.dataset.attrs["notes"]).splitlines():
+        console.print(f"[yellow]note[/] {note}")
+    console.print(summary(done.result))
+    names = ", ".join(path.name for path in pictures)
+    console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
+    if done.result.partial:
+        raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+
+
+@app.command()
+def modes(
+    corner: Annotated[
+        list[str] | None,
+        typer.Option("--corner", "-c", help='Corner "x,y" in metres; repeat it, in order around.'),
+    ] = None,
+    thickness: Annotated[float, typer.Option(help="Thickness, m.")] = 15e-3,
+    young: Annotated[float, typer.Option(help="Young's modulus, N/m².")] = 2e10,
+    poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
+    density: Annotated[float, typer.Option(help="Density, kg/m³.")] = 7.5e3,
+    count: Annotated[int, typer.Option("--modes", help="Elastic modes to compute.")] = 10,
+    refine: Annotated[int | None, typer.Option(help="Halvings of the mesh; by default enough.")] = None,
+    out: Out = Path("parflex-modes"),
+    image: ImageFormat = "png",
+) -> None:
+    """Compute the free-free modes of a convex plate: a table and a picture.
+
+    Without corners it is the paper's hexagon. Example, a rectangle of aluminium:
+
+    `parflex modes -c 0,0 -c 0.6,0 -c 0.6,0.4 -c 0,0.4 --thickness 0.01 --young 70e9 --poisson 0.33
+    --density 2700`
+    """
+    from parflex import plot
+    from parflex.fe import plate_modes
+    from parflex.robots.gough_stewart import TABLE_2, corners
+
+    check_format(image)
+    polygon = corners() if corner is None else [point(text) for text in corner]
+    found = plate_modes(polygon, thickness, young, poisson, density, count, refine)
+    published = TABLE_2 if is_paper_plate(corner, thickness, young, poisson, density) else ()
+    console.print(frequency_table(found, published))
+    for note in found.notes:
+        console.print(f"[yellow]note[/] {note}")
+    moments = found.moments
+    com = moments.MS0 / moments.m
+    console.print(f"mass {moments.m:.4f} kg, centre of mass ({com[0]:.4g}, {com[1]:.4g}) m; {found.source}")
+    if count:
+        out.mkdir(parents=True, exist_ok=True)
+        plot.mode_shapes(found).savefig(out / f"modes.{image}")
+        console.print(f"shapes drawn in [bold]{out / f'modes.{image}'}[/]")
+
+
+@app.command()
+def doctor() -> None:
+    """Show versions and the backend in use, and check it against NumPy.
+
+    Run it first when something looks wrong, and add its output to a bug report.
+    """
+    from parflex.doctor import examine, versions
+
+    table = Table("package", "version", title=f"parflex {parflex.__version__}", title_justify="left")
+    for name, number in versions().items():
+        table.add_row(name, number)
+    console.print(table)
+    healthy = True
+    for line in examine():
+        healthy &= line.passed
+        mark = "[green]pass[/]" if line.passed else "[red]FAIL[/]"
+        console.print(f"{mark} {line.what}: {line.found}")
+    if not healthy:
+        raise typer.Exit(1)
+
+
+def frequency_table(found: Any, published: tuple[float, ...]) -> Table:
+    """Frequencies, their estimated error, and the published ones where there are any."""
+    heads = ["mode", "rad/s", "Hz", "mesh error"]
+    table = Table(*heads, *(["Table 2", "difference"] if published else []), title="Elastic modes")
+    for k, omega in enumerate(found.frequencies):
+        error = found.frequency_error[k]
+        row = [f"{k + 1}", f"{omega:.3f}", f"{omega / 6.283185307179586:.3f}", f"≤ {100 * error:.3f} %"]
+        if k < len(published):
+            row += [f"{published[k]:.3f}", f"{100 * (omega / published[k] - 1):+.2f} %"]
+        table.add_row(*row)
+    return table
+
+
+def summary(result: Any) -> Table:
+    """What a run can be judged by."""
+    data = result.dataset
+    table = Table("check", "value", title="The run", title_justify="left")
+    pose = abs(data["pose_error"]).max("time").values
+    ledger = [name for name in data if str(name).startswith("energy_") and name != "energy_residual"]
+    largest = max(float(abs(data[name]).max()) for name in ledger)
+    table.add_row("largest position error", f"{pose[:3].max():.1e} m")
+    table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
+    table.add_row("largest actuator force", f"{float(abs(data['forces']).max()):.0f} N")
+    table.add_row(
+        "largest deformation at an attachment", f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm"
+    )
+    residual = float(abs(data["energy_residual"]).max()) / largest
+    table.add_row("energy balance / largest term", f"{residual:.1e}")
+    return table
+
+
+def step(start: float, words: str) -> None:
+    """One line of what is being done, with the time since the start."""
+    console.print(f"[dim]{time.perf_counter() - start:5.1f} s[/] {words}")
+
+
+def point(text: str) -> tuple[float, float]:
+    """A corner from "x,y"."""
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise InputError(f'--corner is {text!r}; write it as "x,y" in metres, like 0.5,0.2') from None
+    return x, y
+
+
+def check_format(image: str) -> None:
+    """Only what every matplotlib can write."""
+    if image not in ("png", "pdf", "svg"):
+        raise InputError(f"--format is {image!r}; choose png, pdf or svg")
+
+
+def is_paper_plate(corner: list[str] | None, *values: float) -> bool:
+    """Whether Table 2 is about this plate."""
+    from parflex.robots.gough_stewart import PLATE
+
+    return corner is None and values == tuple(PLATE.values())
+
+
+def run() -> None:
+    """Entry point: errors of input end in one sentence, without a traceback."""
+    warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")  # printed as a note
+    try:
+        app()
+    except InputError as error:
+        complaints.print("[red]error[/]", escape(str(error)))
+        sys.exit(2)
+    except KeyboardInterrupt:
+        complaints.print("[yellow]interrupted[/] before there was a result to keep")
+        sys.exit(130)
+    except OSError as error:
+        complaints.print("[red]error[/]", escape(f"{error.filename or 'file'}: {error.strerror or error}"))
+        sys.exit(2)

@@ -1,0 +1,295 @@
+"""Pictures of results and modes. They compute nothing: labels and units come from the data."""
+
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import CubicTriInterpolator, Triangulation, UniformTriRefiner
+from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
+
+from parflex.array import Array
+from parflex.errors import InputError
+from parflex.modes import Modes
+from parflex.result import Result
+
+# Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
+STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)))
+
+
+def figure(width: float, height: float) -> Figure:
+    """An empty figure, inches."""
+    return Figure(figsize=(width, height), layout="constrained", dpi=150)
+
+
+def curves(ax: Axes, data: xr.DataArray, dim: str, labels: list[str], factor: float = 1.0) -> None:
+    """One curve per entry of a dimension, over time."""
+    for i, label in enumerate(labels):
+        style = STYLES[i % len(STYLES)]
+        values = data.isel({dim: i}).values * factor
+        ax.plot(data["time"].values, values, color=COLOURS[i % 8], linestyle=style, lw=1.2, label=label)
+    ax.margins(x=0)
+    ax.grid(alpha=0.3)
+    ax.yaxis.set_major_locator(MaxNLocator(6))
+
+
+def legend_right(ax: Axes) -> None:
+    """A legend beside the axes, where it covers no curve."""
+    ax.legend(loc="center left", bbox_to_anchor=(1.01, 0.5), frameon=False, fontsize=8, handlelength=2.6)
+
+
+def time_label(ax: Axes) -> None:
+    """The shared abscissa."""
+    ax.set_xlabel("time (s)")
+
+
+def actuator_forces(result: Result) -> Figure:
+    """Actuator forces over time (the paper's Fig. 4)."""
+    fig = figure(7.0, 3.4)
+    ax = fig.subplots()
+    data = result.dataset["forces"]
+    curves(ax, data, "actuator", [f"leg {i}" for i in data["actuator"].values])
+    ax.set_ylabel("actuator force (N)")
+    time_label(ax)
+    legend_right(ax)
+    ax.set_title("Actuated prismatic joint forces")
+    return fig
+
+
+def accelerations(result: Result) -> Figure:
+    """Platform acceleration and its difference from the desired one (the paper's Fig. 5).
+
+    Raises InputError for a run without a desired trajectory.
+    """
+    require(result, "acceleration_error")
+    fig = figure(7.0, 7.2)
+    panels = fig.subplots(4, 1, sharex=True)
+    both = (("acceleration", "acceleration"), ("acceleration_error", "desired − calculated"))
+    for row, (name, words) in enumerate(both):
+        data = result.dataset[name]
+        linear, angular = data.isel(component=slice(0, 3)), data.isel(component=slice(3, 6))
+        curves(panels[2 * row], linear, "component", ["$\\dot v_x$", "$\\dot v_y$", "$\\dot v_z$"])
+        panels[2 * row].set_ylabel(f"linear\n{words}\n(m/s²)")
+        names = ["$\\dot\\omega_x$", "$\\dot\\omega_y$", "$\\dot\\omega_z$"]
+        curves(panels[2 * row + 1], angular, "component", names)
+        panels[2 * row + 1].set_ylabel(f"angular\n{words}\n(rad/s²)")
+    for ax in panels:
+        legend_right(ax)
+    panels[0].set_title("Acceleration of the platform frame by the direct model, in platform axes")
+    time_label(panels[-1])
+    fig.align_ylabels(panels)
+    return fig
+
+
+def origin_deformation(result: Result) -> Figure:
+    """Linear and angular deformation at the platform's origin (the paper's Fig. 6).
+
+    Raises InputError for a platform without a node at its origin.
+    """
+    require(result, "origin_deformation")
+    data = result.dataset["origin_deformation"]
+    fig = figure(7.0, 4.6)
+    upper, lower = fig.subplots(2, 1, sharex=True)
+    curves(upper, data.isel(component=slice(0, 3)), "component", list("xyz"), 1e3)
+    upper.set_ylabel("linear deformation\n(mm)")
+    curves(lower, data.isel(component=slice(3, 6)), "component", list("xyz"), 1e3)
+    lower.set_ylabel("angular deformation\n(mrad)")
+    for ax in (upper, lower):
+        legend_right(ax)
+    upper.set_title("Deformation at the platform origin, in platform axes")
+    time_label(lower)
+    fig.align_ylabels([upper, lower])
+    return fig
+
+
+def attachment_deformation(result: Result) -> Figure:
+    """Deformation at the attachment points along each axis that moves (the paper's Fig. 7)."""
+    data = result.dataset["attachment_deformation"]
+    size = np.max(np.abs(data.values), initial=0.0)
+    moving = [i for i in range(3) if np.max(np.abs(data.isel(axis=i).values), initial=0) > 1e-9 * size]
+    shown = moving if size > 0 else [2]
+    fig = figure(7.0, 1.2 + 2.4 * len(shown))
+    panels = fig.subplots(len(shown), 1, sharex=True, squeeze=False)[:, 0]
+    labels = [f"$p_{{{i}}}$" for i in data["attachment"].values]
+    for ax, axis in zip(panels, shown, strict=True):
+        curves(ax, data.isel(axis=axis), "attachment", labels, 1e3)
+        ax.set_ylabel(f"deformation along ${'xyz'[axis]}_p$\n(mm)")
+        legend_right(ax)
+    still = [f"${'xyz'[i]}_p$" for i in range(3) if i not in shown]
+    note = f"; none along {' and '.join(still)}" if still else ""
+    panels[0].set_title(f"Deformation at the attachment points, in platform axes{note}")
+    time_label(panels[-1])
+    return fig
+
+
+def energy(result: Result) -> Figure:
+    """The energy ledger and the residual of its balance."""
+    fig = figure(7.0, 4.6)
+    upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
+    names = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
+    for i, name in enumerate(names):
+        data = result.dataset[f"energy_{name}"]
+        words = {"gravity": "gravity (change)", "actuators": "work of actuators"}
+        words["wrenches"] = "work of wrenches"
+        values = data - data[0] if name == "gravity" else data
+        upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i], label=words.get(name, name))
+    upper.set_ylabel("energy (J)")
+    legend_right(upper)
+    residual = result.dataset["energy_residual"]
+    lower.plot(residual["time"], residual, color=COLOURS[6], lw=1.0)
+    lower.set_ylabel("residual (J)")
+    for ax in (upper, lower):
+        ax.margins(x=0)
+        ax.grid(alpha=0.3)
+    upper.set_title("Energy balance")
+    time_label(lower)
+    fig.align_ylabels([upper, lower])
+    return fig
+
+
+def mode_shapes(modes: Modes, columns: int = 4) -> Figure:
+    """Deflection of a flat platform's modes, each scaled to its largest value."""
+    count = len(modes.frequencies)
+    columns = max(1, min(columns, count))
+    rows = max(1, -(-count // columns))
+    fig = figure(1.9 * columns + 0.8, 2.0 * rows + 0.4)
+    panels = fig.subplots(rows, columns, squeeze=False)
+    image = None
+    for k, ax in enumerate(panels.flat):
+        ax.set_axis_off()
+        if k >= count:
+            continue
+        mesh, w = smooth_deflection(modes, k)
+        image = ax.tricontourf(mesh, w / np.max(np.abs(w)), np.linspace(-1, 1, 21), cmap="RdBu_r")
+        ax.tricontour(mesh, w, [0.0], colors="0.3", linewidths=0.7)
+        outline = modes.nodes[[*modes.corners, modes.corners[0]], :2]
+        ax.plot(*outline.T, color="0.2", lw=0.8, clip_on=False)
+        ax.plot(*outline[0], "o", color="0.1", ms=4, clip_on=False)
+        ax.set_aspect("equal")
+        ax.set_title(f"mode {k + 1}\n{modes.frequencies[k]:.1f} rad/s", fontsize=8)
+    if image is not None:
+        bar = fig.colorbar(image, ax=panels, shrink=0.6, ticks=[-1, 0, 1])
+        bar.set_label("deflection / largest deflection", fontsize=8)
+    fig.suptitle("Elastic modes of the free plate (dot: first attachment; line: no deflection)", fontsize=9)
+    return fig
+
+
+def smooth_deflection(modes: Modes, k: int) -> tuple[Triangulation, Array]:
+    """The deflection of mode k between the nodes, from its values and slopes there."""
+    mesh = Triangulation(*modes.nodes[:, :2].T, modes.triangles)
+    w = modes.shapes[k, :, 2]
+    if modes.rotations is None:
+        return mesh, w
+    slopes = (-modes.rotations[k, :, 1], modes.rotations[k, :, 0])
+    cubic = CubicTriInterpolator(mesh, w, kind="user", dz=slopes)
+    fine, values = UniformTriRefiner(mesh).refine_field(w, cubic, subdiv=3)
+    return fine, np.asarray(values)
+
+
+def frequency_table(computed: Array, published: Array, notes: list[str]) -> Figure:
+    """Published and computed frequencies (rad/s) side by side, as a table."""
+    count = min(len(computed), len(published))
+    lines = [line for note in notes for line in wrap(note, 88)]
+    height = 0.45 + 0.24 * (count + 1)
+    fig = figure(5.6, height + 0.15 * len(lines))
+    ax = fig.subplots()
+    ax.set_axis_off()
+    rows = [
+        (f"{k + 1}", f"{k + 7}", f"{published[k]:.2f}", f"{computed[k]:.2f}",
+         f"{100 * (computed[k] / published[k] - 1):+.2f} %".replace("-", "−"))
+        for k in range(count)
+    ]  # fmt: skip
+    heads = ("elastic mode", "no. in paper", "Table 2 (rad/s)", "computed (rad/s)", "difference")
+    table = ax.table(rows, colLabels=heads, bbox=(0, 0, 1, 1), cellLoc="center", edges="horizontal")
+    table.auto_set_font_size(False)
+    table.set_fontsize(8)
+    for cell in table.get_celld().values():
+        cell.set_linewidth(0.4)
+    ax.set_title("Natural frequencies of the free plate", fontsize=9)
+    fig.supxlabel("\n".join(lines), fontsize=7, x=0.02, ha="left")
+    return fig
+
+
+def robot(result: Result, index: int = 0, scale: float | None = None) -> Figure:
+    """The robot at one output time, the bent plate coloured by its deflection.
+
+    scale exaggerates the deformation; by default the largest becomes 8 % of the platform's size.
+    """
+    at = result.dataset.isel(time=index)
+    nodes, p = at["platform_node"].values, at["position"].values
+    R = at["rotation"].values
+    bend = np.einsum("n,nka->ka", at["elastic"].values, at["platform_shape"].values)
+    size, largest = np.max(np.ptp(nodes, axis=0)), np.max(np.linalg.norm(bend, axis=1), initial=0.0)
+    if scale is None:
+        scale = float(0.08 * size / largest) if largest > 1e-12 else 1.0
+    world = p + (nodes + scale * bend) @ R.T
+    fig = figure(6.4, 4.8)
+    ax: Any = fig.add_subplot(projection="3d", computed_zorder=False)
+    draw_legs(ax, at, R, scale)  # first: seen from above, the platform hides what is below it
+    draw_platform(fig, ax, at, world, bend)
+    corners = np.vstack([world, at["leg_origin"].values])
+    frame_axes(ax, corners)
+    words = f"t = {float(at['time']):.2f} s, deformation × {scale:.0f}" if largest > 0 else "rigid platform"
+    ax.set_title(words, fontsize=9, y=0.98)
+    return fig
+
+
+def draw_platform(fig: Figure, ax: Any, at: xr.Dataset, world: Array, bend: Array) -> None:
+    """The surface, coloured by the deflection along z_p; without a surface, its nodes."""
+    if "platform_triangle" not in at:
+        ax.scatter(*world.T, s=12, color=COLOURS[0])
+        return
+    triangles = at["platform_triangle"].values
+    deflection = bend[triangles, 2].mean(axis=1) * 1e3
+    limit = float(np.max(np.abs(bend[:, 2]), initial=0.0) * 1e3) or 1.0
+    shade = Normalize(-limit, limit)
+    surface = Poly3DCollection(world[triangles], edgecolor=(0, 0, 0, 0.15), linewidth=0.2, zorder=2)
+    surface.set_cmap("RdBu_r")
+    surface.set_norm(shade)
+    surface.set_array(deflection)
+    ax.add_collection3d(surface)
+    bar = fig.colorbar(surface, ax=ax, shrink=0.6, pad=0.08)
+    bar.set_label("deflection along $z_p$ (mm)", fontsize=8)
+
+
+def draw_legs(ax: Any, at: xr.Dataset, R: Array, scale: float) -> None:
+    """Straight legs from base to attachment, and the base points."""
+    undrawn = at["attachment_position"].values
+    extra = (scale - 1.0) * at["attachment_deformation"].values @ R.T
+    tips = (undrawn + extra)[at["leg_attachment"].values - 1]
+    origins = at["leg_origin"].values
+    middle = origins + 0.55 * (tips - origins)
+    ax.add_collection3d(Line3DCollection(np.stack([origins, middle], 1), colors="0.35", linewidths=4, zorder=1))
+    ax.add_collection3d(Line3DCollection(np.stack([middle, tips], 1), colors="0.6", linewidths=2, zorder=1))
+    ax.scatter(*origins.T, s=28, color="0.15", marker="s", depthshade=False, zorder=1)
+    ax.scatter(*tips.T, s=18, color="0.1", depthshade=False, zorder=3)
+    for i, (origin, tip) in enumerate(zip(origins, tips, strict=True), start=1):
+        ax.text(*origin - [0, 0, 0.07], f"$b_{{{i}}}$", fontsize=8, ha="center", va="top", zorder=3)
+        ax.text(*tip + [0, 0, 0.05], f"$p_{{{i}}}$", fontsize=8, ha="center", zorder=3)
+
+
+def frame_axes(ax: Any, points: Array) -> None:
+    """Equal scales around all points, with units."""
+    low, high = points.min(axis=0), points.max(axis=0)
+    pad = 0.05 * np.max(high - low)
+    low, high = low - pad, high + pad
+    ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+    ax.set_box_aspect(high - low, zoom=1.05)
+    ax.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
+    ax.view_init(elev=24, azim=-62)
+    for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
+        axis.set_major_locator(MaxNLocator(5))
+        axis.set_tick_params(labelsize=7)
+
+
+def require(result: Result, name: str) -> None:
+    """Say so where a picture needs what the result does not hold."""
+    if name not in result.dataset:
+        held = ", ".join(sorted(map(str, result.dataset.data_vars)))
+        raise InputError(f"the result has no {name!r}; it holds {held}")
+

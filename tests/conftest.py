@@ -1,0 +1,54 @@
+"""What the tests share: robots, models, random states, and the measure of agreement."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import parflex as pf
+
+MODES = (0, 1, 10, 40)  # rigid, one, the paper's, many
+
+
+def relative(found, expected) -> float:
+    """max |Δ| / max(1, max |x|), the measure of every accuracy figure."""
+    found, expected = np.asarray(found), np.asarray(expected)
+    assert found.shape == expected.shape
+    largest = np.max(np.abs(expected), initial=1.0)
+    return float(np.max(np.abs(found - expected), initial=0.0) / largest)
+
+
+def random_states(robot: pf.Robot, count: int, seed: int) -> pf.State:
+    """States within ±0.1 m and ±0.1 rad of home, moving and bent, as a batch."""
+    rng = np.random.default_rng(seed)
+    N = robot.platform.modes
+    omega = np.sqrt(robot.platform.stiffness)
+    slow = omega[:1] / omega
+    return pf.State(
+        robot.home.position + rng.uniform(-0.1, 0.1, (count, 3)),
+        Rotation.from_rotvec(rng.uniform(-0.1, 0.1, (count, 3))).as_matrix(),
+        rng.normal(0, 0.5, (count, 6)),
+        0.01 * slow**2 * rng.normal(size=(count, N)),
+        0.1 * slow * rng.normal(size=(count, N)),
+    )
+
+
+def random_forces(model: pf.Model, count: int, seed: int) -> np.ndarray:
+    """Static forces ± 300 N."""
+    _, static = model.static(*model.robot.home_pose)
+    return static + np.random.default_rng(seed).uniform(-300, 300, (count, model.robot.n_forces))
+
+
+@pytest.fixture(scope="session")
+def model_of() -> Callable[..., pf.Model]:
+    """Models of the paper's robot, built once per session."""
+    known: dict[tuple, pf.Model] = {}
+
+    def get(modes: int, backend: str = "numpy", **options) -> pf.Model:
+        key = (modes, backend, *sorted(options.items()))
+        if key not in known:
+            known[key] = pf.Model(pf.robots.gough_stewart(modes, **options), backend)
+        return known[key]
+
+    return get

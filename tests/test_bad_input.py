@@ -1,0 +1,304 @@
+"""Wrong input ends in one sentence that names the field, the value and the remedy."""
+
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import parflex as pf
+from parflex.robots.gough_stewart import PLATE, corners
+
+NAN = float("nan")
+HOME, UPRIGHT = (0.25, 0.433, 1.0), np.eye(3)
+
+
+def nodes(**changes):
+    """A good body of four nodes and one mode, with changes."""
+    shape = np.zeros((1, 4, 3))
+    shape[0, :, 2] = [0.5, -0.5, 0.5, -0.5]
+    given = {
+        "positions": np.array([[1.0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0]]),
+        "masses": np.ones(4),
+        "shapes": shape,
+        "frequencies": [10.0],
+        "damping_ratio": 0.1,
+        "attachments": [0, 1],
+    }
+    return pf.FlexibleBody.from_nodes(**(given | changes))
+
+
+def leg(**changes):
+    """The paper's leg with changes to its second joint."""
+    good = pf.robots.gough_stewart(0).legs[0]
+    joints = (good.joints[0], replace(good.joints[1], **changes), good.joints[2])
+    return pf.Leg(good.rotation, good.origin, joints, good.tips)
+
+
+CASES = {
+    "position of two": (lambda: pf.State((0, 0), UPRIGHT), r"State.position has shape \(2,\)"),
+    "nan position": (lambda: pf.State((0, NAN, 0), UPRIGHT), r"State.position is nan at index \(1,\)"),
+    "text for numbers": (lambda: pf.State("here", UPRIGHT), "not an array of numbers"),
+    "sheared rotation": (
+        lambda: pf.State(HOME, UPRIGHT + 0.01 * np.eye(3, k=1)),
+        "State.rotation is not a rotation",
+    ),
+    "reflection": (lambda: pf.State(HOME, -UPRIGHT), "not a rotation"),
+    "rotation in a batch": (
+        lambda: pf.State(HOME, np.stack([UPRIGHT, 2 * UPRIGHT])),
+        "State.rotation at index 1 is not a rotation",
+    ),
+    "unbroadcastable batch": (
+        lambda: pf.State(np.zeros((3, 3)), np.stack([UPRIGHT] * 2)).batch,
+        "must broadcast together",
+    ),
+    "negative mass of a link": (lambda: leg(M=-1.0), "Joint.M is -1.0; it cannot be negative"),
+    "sigma of two": (lambda: leg(sigma=2), "Joint.sigma is 2; it must be 0 or 1"),
+    "unsymmetric inertia": (lambda: leg(I=np.eye(3, k=1)), "Joint.I is not symmetric"),
+    "a loop": (lambda: leg(antecedent=3), "joint 2 has antecedent 3"),
+    "no tips": (lambda: pf.Leg(UPRIGHT, (0, 0, 0), leg().joints, ()), "Leg.tips is empty"),
+    "tip on no link": (
+        lambda: pf.Leg(UPRIGHT, (0, 0, 0), leg().joints, (pf.Tip(4),)),
+        "Tip.frame is 4; this leg has links 1 … 3",
+    ),
+    "unknown leg type": (
+        lambda: pf.Robot((leg(alpha=0.3),), nodes()),
+        r"legs\[0\] is a RRP\* chain whose table fits no leg type.*known types: UPS",
+    ),
+    "fewer attachments than legs": (
+        lambda: pf.robots.gough_stewart(
+            platform=pf.FlexibleBody.rigid(1.0, (0, 0, 0), np.eye(3), np.eye(5, 3))
+        ),
+        r"legs\[5\] holds attachment 5, but the platform has 5",
+    ),
+    "attachment held twice": (
+        lambda: pf.Robot((leg(), leg()), nodes()),
+        r"both hold attachment 0; list the node twice",
+    ),
+    "negative nodal mass": (lambda: nodes(masses=[1, 1, -1, 1]), r"masses\[2\] is -1.0"),
+    "negative frequency": (lambda: nodes(frequencies=[-3.0]), r"frequencies\[0\] is -3.0"),
+    "too many frequencies": (lambda: nodes(frequencies=[1, 2]), r"frequencies has shape \(2,\)"),
+    "unnormalised shapes": (lambda: nodes(masses=2 * np.ones(4)), "ΦᵀMΦ differs from 1 by 1.00e[+]00"),
+    "negative damping": (lambda: nodes(damping_ratio=-0.1), "damping_ratio is -0.1"),
+    "attachment off the body": (lambda: nodes(attachments=[0, 9]), r"attachments\[1\] is node 9"),
+    "impossible inertia": (
+        lambda: pf.FlexibleBody.rigid(1.0, (0, 0, 0), np.diag([1.0, 1, 3]), np.eye(3)),
+        "not the inertia of a body",
+    ),
+    "weightless body": (
+        lambda: pf.FlexibleBody.rigid(0.0, (0, 0, 0), np.eye(3), np.eye(3)),
+        "mass is 0.0; it must be positive",
+    ),
+    "payload of nothing": (lambda: nodes().with_payload(0, 0.0), "mass is 0.0"),
+    "payload off the body": (lambda: nodes().with_payload(4, 1.0), "node is 4"),
+    "crossing polygon": (
+        lambda: pf.fe.plate_modes([(np.cos(a), np.sin(a)) for a in 0.8 * np.pi * np.arange(5)],
+                                  n_modes=1, **PLATE),
+        "polygon crosses itself",
+    ),
+    "hollow polygon": (
+        lambda: pf.fe.plate_modes([(0, 0), (1, 0), (0.2, 0.2), (0, 1)], n_modes=1, **PLATE),
+        r"polygon is not convex at corner 2, \[0.2 0.2\]",
+    ),
+    "two corners": (lambda: pf.fe.plate_modes([(0, 0), (1, 0)], n_modes=1, **PLATE), "at least 3"),
+    "rubber": (
+        lambda: pf.fe.plate_modes(corners(), n_modes=1, **(PLATE | {"poisson": 0.6})),
+        "poisson is 0.6",
+    ),
+    "thickness of nothing": (
+        lambda: pf.fe.plate_modes(corners(), n_modes=1, **(PLATE | {"thickness": 0})),
+        "thickness is 0.0; it must be positive",
+    ),
+    "eleven published modes": (
+        lambda: pf.robots.gough_stewart(11, frequencies="published"),
+        'modes is 11, but frequencies="published" has the 10 of Table 2',
+    ),
+    "unknown frequencies": (lambda: pf.robots.gough_stewart(frequencies="measured"), "'measured'"),
+    "unknown backend": (
+        lambda: pf.Model(pf.robots.gough_stewart(0), "native"),
+        """backend is 'native'; this version has "numpy", "vm" and "auto" """.strip(),
+    ),
+    "output of seven": (lambda: pf.FrameOutput((0, 6)), "FrameOutput.rows"),
+    "frame of nowhere": (lambda: pf.Wrench(0, frame="moon"), "Wrench.frame is 'moon'"),
+    "trajectory of one pose": (lambda: pf.Trajectory([HOME], [UPRIGHT], []), "n at least 2"),
+    "negative duration": (
+        lambda: pf.Trajectory([HOME, HOME], [UPRIGHT] * 2, [-1.0]),
+        "must be positive",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_refused_in_one_sentence(name):
+    call, message = CASES[name]
+    with pytest.raises(pf.InputError, match=message) as caught:
+        call()
+    assert "\n" not in str(caught.value)
+    assert len(str(caught.value)) < 400
+
+
+@pytest.fixture(scope="module", params=["numpy", "vm"])
+def model(request, model_of):
+    return model_of(1, request.param)
+
+
+def test_wrong_sizes_are_named(model):
+    home = model.robot.home
+    with pytest.raises(pf.InputError, match=r"forces has shape \(5,\); expected \(6\)"):
+        model.direct(home, np.zeros(5))
+    with pytest.raises(pf.InputError, match="forces is inf"):
+        model.direct(home, [0, 0, np.inf, 0, 0, 0])
+    with pytest.raises(pf.InputError, match=r"State.elastic has shape \(3,\); this platform has 1 modes"):
+        model.direct(replace(home, elastic=np.zeros(3)), np.zeros(6))
+    with pytest.raises(pf.InputError, match="target has shape"):
+        model.inverse(home, np.zeros(3))
+    with pytest.raises(pf.InputError, match="must broadcast together"):
+        model.direct(pf.State(np.tile(HOME, (3, 1)), UPRIGHT), np.zeros((4, 6)))
+    with pytest.raises(pf.InputError, match=r"wrenches\[0\].node is 99"):
+        model.direct(home, np.zeros(6), [pf.Wrench(99, (1, 0, 0))])
+
+
+def test_moment_needs_rotation_shapes():
+    model = pf.Model(pf.Robot((), nodes()), "numpy")
+    with pytest.raises(pf.InputError, match="no rotation shapes"):
+        model.direct(model.robot.home, np.zeros(0), [pf.Wrench(0, moment=(1, 0, 0))])
+
+
+def test_fewer_actuators_than_outputs():
+    robot = pf.robots.gough_stewart(0)
+    three = pf.Model(pf.Robot(robot.legs[:3], robot.platform), "numpy")
+    with pytest.raises(pf.InputError, match="asks for 6 accelerations, but the robot has 3 actuators"):
+        three.inverse(robot.home, np.zeros(6))
+
+
+def lowered(robot, point):
+    """Home, but with the first attachment at the first leg's base point plus `point`."""
+    shift = robot.legs[0].origin + point - robot.platform.attachment_points[0]
+    return pf.State(shift, UPRIGHT)
+
+
+def test_pose_out_of_reach(model):
+    """The tip at the base point: no leg is that short."""
+    batch = pf.State(np.stack([HOME, lowered(model.robot, np.zeros(3)).position]), UPRIGHT)
+    for call in (model.direct, model.inverse):
+        with pytest.raises(pf.OutOfReach, match="pose at index 1: leg 1 cannot reach"):
+            call(batch, np.zeros(6))
+    with pytest.raises(pf.OutOfReach, match="pose: leg 1 cannot reach"):
+        model.legs(batch[1])
+
+
+def test_singular_leg(model):
+    """The tip on the first joint's axis: gimbal lock of the universal joint (sin q2 = 0)."""
+    axis = model.robot.legs[0].rotation @ np.array([0, 1.0, 0])
+    with pytest.raises(pf.SingularPose, match="leg 1 is singular"):
+        model.direct(lowered(model.robot, axis), np.zeros(6))
+
+
+def test_parallel_singularity_names_the_free_twist(model):
+    """All legs in planes through the platform's z axis: turning about it meets no resistance. The
+    twist that the message names changes no leg's length: a_i·(v + ω × r_i) = 0."""
+    spokes = [
+        pf.Leg(UPRIGHT, 2 * np.append(c, 0), leg().joints, (pf.Tip(3, attachment=i),))
+        for i, c in enumerate(corners())
+    ]
+    robot = pf.Robot(tuple(spokes), model.robot.platform, home_pose=((0, 0, 1.0), UPRIGHT))
+    singular = pf.Model(robot, model.backend.name)
+    singular.direct(robot.home, np.zeros(6))  # the contact form needs no J_p
+    with pytest.raises(pf.SingularPose, match="pose is a parallel singularity") as caught:
+        singular.inverse(robot.home, np.zeros(6))
+    twist = np.array(re.search(r"= \[(.*)\]", str(caught.value))[1].split(), dtype=float)
+    r = robot.platform.attachment_points
+    along = r + (0, 0, 1.0) - 2 * r
+    stretching = np.sum(along * (twist[:3] + np.cross(twist[3:], r)), axis=1)
+    assert np.max(np.abs(twist)) == 1
+    assert np.max(np.abs(stretching)) <= 2e-3  # the twist is printed with three digits
+
+
+def soft_model(model_of, factor):
+    """The paper's robot with its plate's frequencies scaled, one mode that the legs see well."""
+    body = model_of(5).robot.platform
+    softened = replace(body, stiffness=factor**2 * body.stiffness)
+    return pf.Model(pf.robots.gough_stewart(platform=softened))
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm"])
+def test_dynamic_singularity_is_said(model_of, backend):
+    """Where det J_sys and det J_p (Eqs. 21, 48) differ in sign, the platform bends so much that it
+    accelerates against its actuators: the inverse model refuses, the direct model does not."""
+    model = model_of(9, backend)
+    robot, rng = model.robot, np.random.default_rng(2)
+    turn = Rotation.from_rotvec(rng.uniform(-0.3, 0.3, (200, 3))).as_matrix()
+    states = pf.State(robot.home.position + rng.uniform(-0.2, 0.2, (200, 3)), turn)
+    legs = model.legs(states)
+    ratio = np.linalg.det(model.cartesian(states).Jsys_invT) / np.linalg.det(printed_Jp(robot, states, legs))
+    wrong = np.flatnonzero(ratio < 0)
+    assert 5 <= len(wrong) <= 50
+    for i in wrong[:5]:
+        with pytest.raises(pf.SingularPose, match="pose is a dynamic singularity.*against its actuators"):
+            model.inverse(states[i], np.zeros(6))
+        assert np.all(np.isfinite(model.direct(states[i], np.zeros(6)).platform))
+    for i in np.flatnonzero(ratio > 0)[:20]:
+        model.inverse(states[i], np.zeros(6))
+    with pytest.raises(pf.SingularPose, match=f"pose at index {wrong[0]} is a dynamic"):
+        model.inverse(states, np.zeros(6))
+
+
+def printed_Jp(robot, states, legs):
+    """Eq. 21 from positions alone: rows a_iᵀ, (r_i × a_i)ᵀ with a_i from base point to corner."""
+    r = robot.platform.attachment_points
+    origins = np.array([leg.origin for leg in robot.legs])
+    R = np.asarray(states.rotation)
+    along = np.asarray(states.position)[:, None] + r @ np.swapaxes(R, 1, 2) - origins
+    lengths = np.stack([q[:, 2] for q in legs.q], axis=1)
+    a = (along @ R) / lengths[..., None]
+    assert np.allclose(np.linalg.norm(a, axis=-1), 1)
+    return np.concatenate([a, np.cross(r, a)], axis=-1)
+
+
+def test_flat_arrays_are_checked_when_bound(model):
+    c, N = model.compiled(), model.robot.platform.modes
+    x, u, out = c.pack(model.robot.home), np.zeros(6), np.zeros(6 + N)
+    c.direct(x, u, out)
+    for bad, words in (
+        ((x[:-1], u, out), "x has shape"),
+        ((x, u.astype(np.float32), out), "u is of float32"),
+        ((x, [0] * 6, out), "u is of list"),
+        ((x, np.zeros(12)[::2], out), "strides"),
+        ((x, u, np.zeros(5)), "out has shape"),
+    ):
+        with pytest.raises(pf.InputError, match=words):
+            c.direct(*bad)
+    sealed = np.zeros(6 + N)
+    sealed.flags.writeable = False
+    with pytest.raises(pf.InputError, match="read-only"):
+        c.direct(x, u, sealed)
+    with pytest.raises(pf.InputError, match="target has shape"):
+        c.inverse(x, np.zeros(5), out)
+
+
+def test_simulation_refuses_before_it_starts(model):
+    home, t = model.robot.home, [0.0, 0.1]
+    for bad, words in (
+        ((np.zeros(4), home, t), "forces_or_controller has shape"),
+        ((np.zeros(6), home, [0.0]), "at least two times"),
+        ((np.zeros(6), home, [0.1, 0.0]), "each later than the one before"),
+        ((np.zeros(6), pf.State(np.tile(HOME, (2, 1)), UPRIGHT), t), "simulate one state at a time"),
+        ((lambda t, s: np.zeros(3), home, t), r"gave shape \(3,\); expected \(6,\)"),
+        ((np.zeros(6), lowered(model.robot, np.zeros(3)), t), "leg 1 cannot reach"),
+    ):
+        with pytest.raises(pf.InputError, match=words):
+            pf.simulate(model, *bad)
+    with pytest.raises(pf.InputError, match="rtol is 0.0"):
+        pf.simulate(model, np.zeros(6), home, t, rtol=0)
+    way = pf.Trajectory.through(home, [((0.1, 0, 0), (0, 0, 0))], 1.0)
+    with pytest.raises(pf.InputError, match="ComputedTorque.kp is -1.0"):
+        pf.ComputedTorque(model, way, kp=-1)
+    with pytest.raises(pf.InputError, match=r"JointPD.kd has shape \(3,\)"):
+        pf.JointPD(model, home, 1.0, np.ones(3))
+
+
+def test_too_soft_for_its_weight(model_of):
+    """A plate of a tenth of the frequencies has no equilibrium with small deflections."""
+    with pytest.raises(pf.NotConverged, match="too soft for its weight"):
+        soft_model(model_of, 0.02).static(*model_of(5).robot.home_pose)
