@@ -27,9 +27,7 @@ def lumped_body(rng, modes=6, count=30):
 def test_free_platform_keeps_its_momentum(kind):
     """No legs, no gravity, no damping: linear and angular momentum about Σ0, by sums of M_p (V, q̇)."""
     rng = np.random.default_rng(3)
-    body = (
-        pf.robots.gough_stewart(9, damping_ratio=0.0).platform if kind == "plate" else lumped_body(rng)
-    )
+    body = pf.robots.gough_stewart(9, damping_ratio=0.0).platform if kind == "plate" else lumped_body(rng)
     model = pf.Model(pf.Robot((), body, gravity=(0, 0, 0)))
     N, omega = body.modes, np.sqrt(body.stiffness)
     start = pf.State(

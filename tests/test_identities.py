@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from conftest import MODES, random_forces, random_states, relative
 
 import parflex as pf
+from conftest import MODES, random_forces, random_states, relative
 from parflex import cartesian, chain, dynamics, kinematics
 from parflex.array import join, mtv, mv, transpose
 from parflex.state import coordinates, pack
@@ -97,7 +97,13 @@ def test_flat_models_agree_with_the_comfortable_ones(case, model_of, backend):
     model = model_of(case[0].robot.platform.modes, backend)
     _, state, forces, _ = case
     N, c = model.robot.platform.modes, model.compiled()
-    u, target, short, long, back = np.zeros(6), np.zeros(6), np.zeros(6 + N), np.zeros(24 + N), np.zeros(6 + N)
+    u, target, short, long, back = (
+        np.zeros(6),
+        np.zeros(6),
+        np.zeros(6 + N),
+        np.zeros(24 + N),
+        np.zeros(6 + N),
+    )
     x = c.pack(state[0])
     for i in (0, 1, 2):
         x[:], u[:] = c.pack(state[i]), forces[i]
@@ -115,7 +121,7 @@ def test_flat_models_agree_with_the_comfortable_ones(case, model_of, backend):
 
 def test_closure_and_leg_equations_hold(case):
     """J q̈ + J̇q̇ = Wᵀ(V̇_p, q̈_e) + h, with q̈ from the legs' own dynamics; Eqs. 6, 7 and 10."""
-    model, state, forces, x = case
+    model, _, forces, x = case
     robot = model.robot
     system = dynamics.assemble(robot, x)
     found = dynamics.direct_of(robot, system, forces, np.zeros(6 + robot.platform.modes))
@@ -136,9 +142,7 @@ def test_power_of_the_actuators(case):
     """q̇_a = J_p⁻¹ V_p + J_e⁻¹ q̇_e (Eqs. 19–21) are the rates of the legs (Eq. 2)."""
     model, _, _, x = case
     system = dynamics.assemble(model.robot, x)
-    Jp, Je = kinematics.actuator_jacobian(
-        system.W_p, system.W_e, dynamics.actuated_axes(model.robot, system)
-    )
+    Jp, Je = kinematics.actuator_jacobian(system.W_p, system.W_e, dynamics.actuated_axes(model.robot, system))
     rates = mtv(Jp, x.twist) + mtv(Je, x.elastic_rate)
     assert relative(rates, dynamics.joint_rates(model.robot, system)) <= SAME
 
@@ -168,10 +172,7 @@ def test_wrench_does_the_work_it_should(case):
     """W_a: the power of a wrench is F·v + N·ω of the node's total twist (Eq. 14); and it enters the
     direct model as the inverse model asks."""
     model, state, forces, x = case
-    if model.robot.platform.modes == 0:
-        node = 3
-    else:
-        node = 20
+    node = 20
     force, moment = np.array([30.0, -20.0, 50.0]), np.array([2.0, 3.0, -1.0])
     wrench = pf.Wrench(node, force, moment, frame="platform")
     w = pf.wrench.generalised_force(model.robot.platform, state, [wrench])

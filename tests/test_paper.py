@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from conftest import relative
 
 import parflex as pf
+from conftest import relative
 from parflex import paper
 
 source = importlib.import_module("parflex.robots.gough_stewart")

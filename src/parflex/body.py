@@ -54,9 +54,7 @@ class FlexibleBody:
         count = len(self.nodes)
         for number, node in enumerate(self.attachments):
             if not 0 <= node < count:
-                raise InputError(
-                    f"attachments[{number}] is node {node}; this body has nodes 0 … {count - 1}"
-                )
+                raise InputError(f"attachments[{number}] is node {node}; this body has nodes 0 … {count - 1}")
 
     @staticmethod
     def from_nodes(
@@ -151,9 +149,7 @@ class FlexibleBody:
                 "values that are positive and none larger than the sum of the other two"
             )
         points = exactly("attachments", attachments, (None, 3))
-        moments = Moments(
-            m, m * c, second + m * outer(c, c), *(np.zeros(s) for s in rigid_shapes)
-        )
+        moments = Moments(m, m * c, second + m * outer(c, c), *(np.zeros(s) for s in rigid_shapes))
         empty = np.zeros((0, len(points), 3))
         return FlexibleBody(
             moments, points, empty, empty, np.zeros(0), np.zeros(0), tuple(range(len(points)))
@@ -311,9 +307,7 @@ class PlatformTerms(NamedTuple):
 def contractions(body: FlexibleBody, q_e: Array, qd_e: Array) -> Contractions:
     """G_k = P1_k + Σ_j q_j P2_kj, and the axial part of the same sum of rates."""
     by_second = np.swapaxes(body.tables.P2, 0, 1)
-    return Contractions(
-        body.tables.P1 + contract(q_e, by_second), contract(qd_e, axial(by_second))
-    )
+    return Contractions(body.tables.P1 + contract(q_e, by_second), contract(qd_e, axial(by_second)))
 
 
 def axial(X: Array) -> Array:
@@ -353,9 +347,7 @@ def platform_terms(
     return PlatformTerms(A_rr, A_re, c_r, Q_c + Q_e)  # Eq. 35
 
 
-def body_energies(
-    body: FlexibleBody, twist: Array, q_e: Array, qd_e: Array
-) -> tuple[Array, Array]:
+def body_energies(body: FlexibleBody, twist: Array, q_e: Array, qd_e: Array) -> tuple[Array, Array]:
     """Kinetic and strain energy (…,) J."""
     terms = platform_terms(body, twist[..., 3:], q_e, qd_e, np.zeros(3))
     kinetic = 0.5 * dot(twist, mv(terms.A_rr, twist) + 2.0 * mv(terms.A_re, qd_e))

@@ -209,7 +209,6 @@ def trace(a: Array) -> Array:
 def potential_energy(chain: Chain, frame: Frames, gravity: Array) -> Array:
     """−g·Σ (M p_0j + R_0j MS): (…, L), zero at the base frame."""
     moments = [
-        chain.M[:, j, None] * frame.p_0j[j] + mv(frame.R_0j[j], chain.MS[:, j])
-        for j in range(chain.n)
+        chain.M[:, j, None] * frame.p_0j[j] + mv(frame.R_0j[j], chain.MS[:, j]) for j in range(chain.n)
     ]
     return -dot(gravity, sum(moments, np.zeros(3)))

@@ -184,7 +184,8 @@ def summary(result: Any) -> Table:
     table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
     table.add_row("largest actuator force", f"{float(abs(data['forces']).max()):.0f} N")
     table.add_row(
-        "largest deformation at an attachment", f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm"
+        "largest deformation at an attachment",
+        f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm",
     )
     residual = float(abs(data["energy_residual"]).max()) / largest
     table.add_row("energy balance / largest term", f"{residual:.1e}")

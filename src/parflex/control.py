@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex import singular
-from parflex.array import Array
+from parflex.array import Array, Given
 from parflex.check import finite
 from parflex.errors import InputError
 from parflex.output import FrameOutput
@@ -24,8 +24,8 @@ class Law(ABC):
     """A controller bound to a model, on flat vectors, for one simulation."""
 
     @abstractmethod
-    def __call__(self, t: float, x: Array, w: Array) -> Array:
-        """Forces (m,) for the flat state and the external generalised force (6 + N,)."""
+    def __call__(self, t: float, x: Array) -> Array:
+        """Forces (m,) for the flat state; what acts on the platform from outside is not known."""
 
     def explain(self) -> str:
         """Why the motion may have failed after the last call; empty where the law knows nothing."""
@@ -52,8 +52,8 @@ class ComputedTorque(Controller):
 
     model: "Model"
     trajectory: Trajectory
-    kp: ArrayLike = 0.0
-    kd: ArrayLike = 0.0
+    kp: Given = 0.0
+    kd: Given = 0.0
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -65,10 +65,12 @@ class ComputedTorque(Controller):
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
         modes = self.model.robot.platform.modes
-        return self.bind(self.model)(t, pack(state, modes), np.zeros(6 + modes))
+        return self.bind(self.model)(t, pack(state, modes))
 
     def bind(self, model: "Model") -> Law:
-        return Tracking(model, self.trajectory, np.concatenate([np.zeros(6) + self.kp, np.zeros(6) + self.kd]))
+        return Tracking(
+            model, self.trajectory, np.concatenate([np.zeros(6) + self.kp, np.zeros(6) + self.kd])
+        )
 
 
 class Tracking(Law):
@@ -84,11 +86,11 @@ class Tracking(Law):
         self._robot, self._trajectory = model.robot, trajectory
         self._watch = singular.Watch(model.robot, output)
 
-    def __call__(self, t: float, x: Array, w: Array) -> Array:
-        own_x, wanted, _, own_w = self._inputs
+    def __call__(self, t: float, x: Array) -> Array:
+        own_x, wanted, _ = self._inputs
         forces, gain, Jp_invT, margins = self._results
-        own_x[:], own_w[:] = x, w
-        np.concatenate([part.reshape(-1) for part in self._trajectory.sample(t)], out=wanted)
+        own_x[:] = x
+        np.concatenate([part.reshape(-1) for part in self._trajectory.at(np.asarray(t))], out=wanted)
         self._trigger()
         singular.check_legs(self._robot, margins)
         self._watch.look(gain, Jp_invT)
@@ -108,9 +110,9 @@ class JointPD(Controller):
 
     model: "Model"
     reference: State
-    kp: ArrayLike
-    kd: ArrayLike
-    forces: ArrayLike = 0.0
+    kp: Given
+    kd: Given
+    forces: Given = 0.0
 
     def __post_init__(self) -> None:
         m = self.model.robot.n_forces
@@ -137,7 +139,7 @@ class Springs(Law):
         self._trigger()
         self._wanted = self._q.copy()
 
-    def __call__(self, t: float, x: Array, w: Array) -> Array:
+    def __call__(self, t: float, x: Array) -> Array:
         self._x[:] = x
         self._trigger()
         c = self._control
@@ -152,7 +154,7 @@ class Called(Law):
     forces: int
     modes: int
 
-    def __call__(self, t: float, x: Array, w: Array) -> Array:
+    def __call__(self, t: float, x: Array) -> Array:
         found = finite("controller(t, state)", self.function(t, unpack(x, self.modes)))
         if found.shape != (self.forces,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({self.forces},)")
@@ -165,7 +167,7 @@ class Constant(Law):
 
     forces: Array
 
-    def __call__(self, t: float, x: Array, w: Array) -> Array:
+    def __call__(self, t: float, x: Array) -> Array:
         return self.forces
 
 

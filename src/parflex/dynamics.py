@@ -118,9 +118,7 @@ def direct_of(robot: Robot, system: System, forces: Array, wrench: Array) -> Acc
     return accelerations(robot.platform, system, contact, f)
 
 
-def inverse(
-    robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output
-) -> Inverse:
+def inverse(robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output) -> Inverse:
     """The inverse dynamic model: Γ for a wanted output acceleration (…, o).
 
     The model is affine in Γ: one factorisation serves Γ = 0 and the columns of S; the map from Γ
@@ -129,9 +127,7 @@ def inverse(
     return inverse_of(robot, assemble(robot, x), target, wrench, output)
 
 
-def inverse_of(
-    robot: Robot, system: System, target: Array, wrench: Array, output: Output
-) -> Inverse:
+def inverse_of(robot: Robot, system: System, target: Array, wrench: Array, output: Output) -> Inverse:
     """The inverse model of an assembled system."""
     contact = contact_system(robot, system, wrench)
     columns = np.concatenate([contact.rhs[..., None], contact.JAS], axis=-1)
@@ -252,9 +248,7 @@ def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array
     return Acceleration(Vd, elastic - mtv(contact.inertia.E, Vd), f)  # Eq. 43
 
 
-def acceleration_map(
-    body: FlexibleBody, system: System, contact: Contact, F: Array
-) -> tuple[Array, Array]:
+def acceleration_map(body: FlexibleBody, system: System, contact: Contact, F: Array) -> tuple[Array, Array]:
     """The linear part of `accelerations` for columns of contact forces (…, 3k, c)."""
     Vd = solve_definite(contact.inertia.A_s, contact.inertia.B @ F)
     elastic = body.m_ee_inverse @ (system.W_e @ F)

@@ -69,9 +69,7 @@ class Model:
         self._functions: dict[object, Function] = {}
         self._lock = Lock()
 
-    def direct(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
-    ) -> Accelerations:
+    def direct(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
         Leading axes of state, forces and wrenches broadcast. Raises InputError for wrong shapes,

@@ -20,9 +20,7 @@ class FrameOutput:
     def __post_init__(self) -> None:
         rows = tuple(int(row) for row in self.rows)
         if not rows or len(set(rows)) < len(rows) or not set(rows) <= set(range(6)):
-            raise InputError(
-                f"FrameOutput.rows is {self.rows}; name some of 0 … 5, each once"
-            )
+            raise InputError(f"FrameOutput.rows is {self.rows}; name some of 0 … 5, each once")
         object.__setattr__(self, "rows", rows)
 
     @property

@@ -187,7 +187,7 @@ def smooth_deflection(modes: Modes, k: int) -> tuple[Triangulation, Array]:
         return mesh, w
     slopes = (-modes.rotations[k, :, 1], modes.rotations[k, :, 0])
     cubic = CubicTriInterpolator(mesh, w, kind="user", dz=slopes)
-    fine, values = UniformTriRefiner(mesh).refine_field(w, cubic, subdiv=3)
+    fine, values = UniformTriRefiner(mesh).refine_field(w, cubic, subdiv=2)
     return fine, np.asarray(values)
 
 
@@ -264,7 +264,9 @@ def draw_legs(ax: Any, at: xr.Dataset, R: Array, scale: float) -> None:
     tips = (undrawn + extra)[at["leg_attachment"].values - 1]
     origins = at["leg_origin"].values
     middle = origins + 0.55 * (tips - origins)
-    ax.add_collection3d(Line3DCollection(np.stack([origins, middle], 1), colors="0.35", linewidths=4, zorder=1))
+    ax.add_collection3d(
+        Line3DCollection(np.stack([origins, middle], 1), colors="0.35", linewidths=4, zorder=1)
+    )
     ax.add_collection3d(Line3DCollection(np.stack([middle, tips], 1), colors="0.6", linewidths=2, zorder=1))
     ax.scatter(*origins.T, s=28, color="0.15", marker="s", depthshade=False, zorder=1)
     ax.scatter(*tips.T, s=18, color="0.1", depthshade=False, zorder=3)
@@ -292,4 +294,3 @@ def require(result: Result, name: str) -> None:
     if name not in result.dataset:
         held = ", ".join(sorted(map(str, result.dataset.data_vars)))
         raise InputError(f"the result has no {name!r}; it holds {held}")
-

@@ -3,6 +3,7 @@
 import sys
 import time
 from types import TracebackType
+from typing import Any
 
 PATIENCE = 2.0  # s
 
@@ -13,8 +14,8 @@ class Progress:
     def __init__(self, what: str, total: float) -> None:
         self._what, self._total = what, total
         self._start = time.monotonic()
-        self._bar = None
-        self._task = None
+        self._bar: Any = None
+        self._task: Any = None
 
     def __enter__(self) -> "Progress":
         return self
@@ -25,7 +26,7 @@ class Progress:
             if time.monotonic() - self._start < PATIENCE or not sys.stderr.isatty():
                 return
             self._open()
-        self._bar.update(self._task, completed=done)  # type: ignore[attr-defined]
+        self._bar.update(self._task, completed=done)
 
     def _open(self) -> None:
         from rich import progress

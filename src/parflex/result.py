@@ -48,7 +48,8 @@ class Result:
         """The state at an output time."""
         at = self.dataset.isel(time=index)
         names = ("position", "rotation", "twist", "elastic", "elastic_rate")
-        return State(*(at[name].values for name in names))
+        arrays: dict[str, Any] = {name: at[name].values for name in names}
+        return State(**arrays)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write the dataset as NetCDF-4, whole or not at all; an older file is replaced.
@@ -147,9 +148,12 @@ def motion_variables(run: "Run", body: FlexibleBody) -> Variables:
 
 def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variables:
     """Forces, and the direct model at every output time."""
+    from parflex.compiled import kernels
+    from parflex.compiled.reference import NumpyFunction
     from parflex.model import by_attachment
 
-    Vd, qdd_e, f, _ = model.function("direct")(run.x, u, w)
+    direct = NumpyFunction(kernels.direct(model.robot))  # for one batch, tracing would cost more
+    Vd, qdd_e, f, _ = direct(run.x, u, w)
     return {
         "forces": (("time", "actuator"), u, "N, N m", "actuator forces"),
         "acceleration": (
@@ -174,9 +178,7 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
     c = coordinates(run.x, body.modes)
     legs = model.legs(State(*c))
     width = max((q.shape[-1] for q in legs.q), default=0)
-    padded = [
-        np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q
-    ]
+    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q]
     joint = np.stack(padded, axis=1) if padded else np.zeros((len(run.t), 0, 0))
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])

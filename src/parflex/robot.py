@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.array import Array
+from parflex.array import Array, Given
 from parflex.body import FlexibleBody
 from parflex.chain import Chain
 from parflex.check import exactly
@@ -43,7 +43,7 @@ class Robot:
 
     legs: tuple[Leg, ...]
     platform: FlexibleBody
-    gravity: ArrayLike = (0.0, 0.0, -9.81)
+    gravity: Given = (0.0, 0.0, -9.81)
     home_pose: tuple[ArrayLike, ArrayLike] = ((0.0, 0.0, 0.0), np.eye(3))
 
     def __post_init__(self) -> None:

@@ -134,7 +134,7 @@ class RightHandSide:
         (x, u, w), (xd, powers, margins) = self._inputs, self._outputs
         x[:] = y[:-WORKS]
         w[:] = self._loads(t, x)
-        u[:] = self._law(t, x, w)
+        u[:] = self._law(t, x)
         self._trigger()
         check_legs(self._robot, margins)
         return np.concatenate([xd, powers])
@@ -157,18 +157,16 @@ def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Arra
     return lambda t, x: generalised_force(body, unpack(x, body.modes), given(t))
 
 
-def control_history(
-    law: Law, loads: Callable[[float, Array], Array], run: Run
-) -> tuple[Array, Array]:
+def control_history(law: Law, loads: Callable[[float, Array], Array], run: Run) -> tuple[Array, Array]:
     """Forces (T, m) and external generalised forces (T, 6 + N) at the output times.
 
     Where a run stopped because the law failed, so may its last rows: they are not numbers.
     """
     w = np.array([loads(t, x) for t, x in zip(run.t, run.x, strict=True)])
     u = []
-    for t, x, load in zip(run.t, run.x, w, strict=True):
+    for t, x in zip(run.t, run.x, strict=True):
         try:
-            u.append(np.array(law(t, x, load)))
+            u.append(np.array(law(t, x)))
         except InputError:
             u.append(np.full(np.shape(u[0]), np.nan))
     return np.array(u), w

@@ -31,7 +31,10 @@ def check_legs(robot: Robot, margins: Array) -> None:
 
 def split_margins(robot: Robot, margins: Array) -> tuple[Array, Array, list[int]]:
     """Reach, regularity (…, legs) and the legs' numbers, in the order of the groups."""
-    reach, regular, numbers, start = [], [], [], 0
+    reach: list[Array] = []
+    regular: list[Array] = []
+    numbers: list[int] = []
+    start = 0
     for group in robot.groups:
         count = len(group.legs)
         reach.append(margins[..., start : start + count])

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.array import Array
+from parflex.array import Array, Given
 from parflex.check import finite, rotation_matrix
 from parflex.errors import InputError
 from parflex.spatial import rotation_from_quaternion
@@ -24,11 +24,11 @@ class State:
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
     """
 
-    position: ArrayLike
-    rotation: ArrayLike
-    twist: ArrayLike = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    elastic: ArrayLike = 0.0
-    elastic_rate: ArrayLike = 0.0
+    position: Given
+    rotation: Given
+    twist: Given = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    elastic: Given = 0.0
+    elastic_rate: Given = 0.0
     joints: tuple[ArrayLike, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -38,11 +38,11 @@ class State:
         for name in ("elastic", "elastic_rate"):
             object.__setattr__(self, name, finite(f"State.{name}", getattr(self, name)))
 
-    def __getitem__(self, index: object) -> "State":
+    def __getitem__(self, index: Any) -> "State":
         """States of a batch, chosen along its leading axes."""
         batch = self.batch
         parts = [
-            np.broadcast_to(value, batch + np.shape(value)[np.ndim(value) - core :])[index]  # type: ignore[index]
+            np.broadcast_to(value, batch + np.shape(value)[np.ndim(value) - core :])[index]
             for value, core in zip(self._arrays(), (1, 2, 1, 1, 1), strict=True)
         ]
         return State(*parts)
@@ -84,8 +84,8 @@ class Wrench:
     """
 
     node: int
-    force: ArrayLike = (0.0, 0.0, 0.0)
-    moment: ArrayLike = (0.0, 0.0, 0.0)
+    force: Given = (0.0, 0.0, 0.0)
+    moment: Given = (0.0, 0.0, 0.0)
     frame: str = "world"
 
     def __post_init__(self) -> None:

@@ -28,9 +28,9 @@ def equilibrium(model: "Model", pose: State) -> tuple[State, Array]:
 
     def bend(q_e: Array) -> tuple[Array, Array]:
         x = coordinates(pack(replace(pose, elastic=q_e), modes), modes)
-        f, forces = balance(model, dynamics.assemble(robot, x))
-        g_p = transpose(np.asarray(x.rotation)) @ np.asarray(robot.gravity)
-        load = dynamics.assemble(robot, x).W_e @ f + robot.platform.tables.S.T @ g_p
+        system = dynamics.assemble(robot, x)
+        f, forces = balance(model, system)
+        load = system.W_e @ f + robot.platform.tables.S.T @ (x.rotation.T @ robot.gravity)
         return load / robot.platform.stiffness, forces
 
     q_e = np.zeros(modes)

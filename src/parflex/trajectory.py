@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from parflex.array import Array, mtv, skew
+from parflex.array import Array, Given, skew
 from parflex.check import exactly, finite, rotation_matrix
 from parflex.errors import InputError
 from parflex.state import State
+
+ONE = np.eye(3)
 
 
 class Sample(NamedTuple):
@@ -40,9 +42,9 @@ class Trajectory:
     Raises InputError for fewer than two poses, wrong shapes or durations that are not positive.
     """
 
-    positions: ArrayLike
-    rotations: ArrayLike
-    durations: ArrayLike
+    positions: Given
+    rotations: Given
+    durations: Given
     rest: tuple[float, float] = (0.5, 0.5)
 
     def __post_init__(self) -> None:
@@ -80,7 +82,7 @@ class Trajectory:
         world axes; each leg of the journey takes `duration` seconds.
         """
         p, R = np.asarray(start.position), Rotation.from_matrix(np.asarray(start.rotation))
-        steps = [finite("moves", move, (2, 3)) for move in moves]
+        steps = [finite("moves", np.array(move, dtype=float), (2, 3)) for move in moves]
         positions = [p, *(p + step[0] for step in steps), p]
         rotations = [R, *(Rotation.from_rotvec(step[1]) * R for step in steps), R]
         matrices = np.stack([rotation.as_matrix() for rotation in rotations])
@@ -93,24 +95,23 @@ class Trajectory:
 
     def sample(self, t: ArrayLike) -> Sample:
         """The wanted motion at times t (…,) s; before the start and after the end it rests."""
-        time = finite("t", t)
+        return self.at(finite("t", t))
+
+    def at(self, time: Array) -> Sample:
+        """As `sample`, for control loops: the times are not checked."""
         way = self._way
-        k = np.clip(np.searchsorted(way.starts, time, side="right") - 1, 0, len(way.span) - 1)
+        k = way.starts.searchsorted(time, side="right") - 1
         span, line, axis, angle = way.span[k], way.line[k], way.axis[k], way.angle[k]
-        tau = np.clip((time - way.starts[k]) / span, 0.0, 1.0)
+        tau = np.minimum(np.maximum((time - way.times[k]) / span, 0.0), 1.0)
         s = tau**3 * (10 - 15 * tau + 6 * tau**2)
         ds = 30 * tau**2 * (1 - tau) ** 2 / span
         dds = 60 * tau * (1 - tau) * (1 - 2 * tau) / span**2
-        sine, versine = np.sin(s * angle), 1.0 - np.cos(s * angle)
-        hat = way.hat[k]
-        turn = np.eye(3) + sine[..., None, None] * hat + versine[..., None, None] * (hat @ hat)
-        rotation = way.rotation[k] @ turn
-        twist = np.concatenate(
-            [mtv(rotation, ds[..., None] * line), (ds * angle)[..., None] * axis], axis=-1
-        )
-        acceleration = np.concatenate(
-            [mtv(rotation, dds[..., None] * line), (dds * angle)[..., None] * axis], axis=-1
-        )
+        sine, versine = np.sin(s * angle)[..., None, None], (1 - np.cos(s * angle))[..., None, None]
+        rotation = way.rotation[k] @ (ONE + sine * way.hat[k] + versine * way.hat_squared[k])
+        along = (line[..., None, :] @ rotation)[..., 0, :]
+        ds, dds, angle = ds[..., None], dds[..., None], angle[..., None]
+        twist = np.concatenate([ds * along, ds * angle * axis], axis=-1)
+        acceleration = np.concatenate([dds * along, dds * angle * axis], axis=-1)
         return Sample(way.position[k] + s[..., None] * line, rotation, twist, acceleration)
 
     @cached_property
@@ -120,15 +121,17 @@ class Trajectory:
         turns = Rotation.from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:]).as_rotvec()
         angle = np.linalg.norm(turns, axis=-1)
         axis = turns / np.where(angle > 0, angle, 1.0)[:, None]
-        starts = self.rest[0] + np.concatenate([[0.0], np.cumsum(span)[:-1]])
-        line = positions[1:] - positions[:-1]
-        return Way(starts, span, positions, line, rotations, axis, angle, skew(axis))
+        times = self.rest[0] + np.concatenate([[0.0], np.cumsum(span)[:-1]])
+        starts = np.concatenate([[-np.inf], times[1:]])
+        line, hat = positions[1:] - positions[:-1], skew(axis)
+        return Way(starts, times, span, positions, line, rotations, axis, angle, hat, hat @ hat)
 
 
 class Way(NamedTuple):
     """The stretches between poses: when, from where, along which line and about which axis."""
 
-    starts: Array  # (n − 1,) s
+    starts: Array  # (n − 1,) s; the first is minus infinity
+    times: Array  # (n − 1,) s, when each begins
     span: Array
     position: Array  # (n, 3)
     line: Array  # (n − 1, 3)
@@ -136,3 +139,4 @@ class Way(NamedTuple):
     axis: Array  # (n − 1, 3), the same in both poses' axes
     angle: Array  # (n − 1,)
     hat: Array  # (n − 1, 3, 3), the axis as a cross product
+    hat_squared: Array

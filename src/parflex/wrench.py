@@ -21,8 +21,7 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
     for number, wrench in enumerate(wrenches):
         if not 0 <= wrench.node < len(body.nodes):
             raise InputError(
-                f"wrenches[{number}].node is {wrench.node}; the platform has nodes "
-                f"0 … {len(body.nodes) - 1}"
+                f"wrenches[{number}].node is {wrench.node}; the platform has nodes 0 … {len(body.nodes) - 1}"
             )
         force, moment = np.asarray(wrench.force), np.asarray(wrench.moment)
         if body.modes and body.rotation_shapes is None and np.any(moment):

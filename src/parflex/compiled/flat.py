@@ -99,7 +99,9 @@ def check(name: str, array: Array, *lengths: int) -> None:
         )
 
 
-def remember(known: dict[tuple[int, int, int], Trigger], key: tuple[int, int, int], trigger: Callable[[], None]) -> None:
+def remember(
+    known: dict[tuple[int, int, int], Trigger], key: tuple[int, int, int], trigger: Callable[[], None]
+) -> None:
     """Keep a bound call; the oldest are dropped where a caller keeps passing new arrays."""
     if len(known) >= REMEMBERED:
         known.pop(next(iter(known)))

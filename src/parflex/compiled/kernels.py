@@ -34,9 +34,7 @@ def direct(robot: Robot) -> Kernel:
         system = dynamics.assemble(robot, coordinates(x, N))
         return (*dynamics.direct_of(robot, system, u, w), dynamics.leg_margins(system))
 
-    return Kernel(
-        "direct", function, (state_size(N), m, 6 + N), (6, N, k, 2 * len(robot.legs))
-    )
+    return Kernel("direct", function, (state_size(N), m, 6 + N), (6, N, k, 2 * len(robot.legs)))
 
 
 def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
@@ -59,7 +57,7 @@ def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
 
 
 def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
-    """(x, wanted 24, gains 12, w) -> Γ, gain, J_p⁻ᵀ (by rows), leg margins.
+    """(x, wanted 24, gains 12) -> Γ, gain, J_p⁻ᵀ (by rows), leg margins.
 
     wanted = (p 3, R 9 by rows, V 6, V̇ 6) as in `trajectory.Sample`, gains = (kp 6, kd 6). The
     target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp; the attitude error is the axial part
@@ -67,27 +65,26 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
     """
     N, m, _ = sizes(robot)
 
-    def function(x: Array, wanted: Array, gains: Array, w: Array) -> tuple[Array, ...]:
+    def function(x: Array, wanted: Array, gains: Array) -> tuple[Array, ...]:
         now = coordinates(x, N)
         R_d = wanted[..., 3:12].reshape(wanted.shape[:-1] + (3, 3))
         R_pd = np.matmul(transpose(now.rotation), R_d)
         place = mtv(now.rotation, wanted[..., :3] - now.position)
         error = join([place, 0.5 * axial(R_pd)])
         twist, acceleration = (
-            join([mv(R_pd, wanted[..., i : i + 3]), mv(R_pd, wanted[..., i + 3 : i + 6])])
-            for i in (12, 18)
+            join([mv(R_pd, wanted[..., i : i + 3]), mv(R_pd, wanted[..., i + 3 : i + 6])]) for i in (12, 18)
         )
         kp, kd = gains[..., :6], gains[..., 6:]
         target = acceleration + kd * (twist - now.twist) + kp * error
         system = dynamics.assemble(robot, now)
-        found = dynamics.inverse_of(robot, system, target, w, output)
+        found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output)
         gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
         return found.forces, gain, Jp_invT, dynamics.leg_margins(system)
 
     return Kernel(
         "tracking",
         function,
-        (state_size(N), 24, 12, 6 + N),
+        (state_size(N), 24, 12),
         (m, output.size * m, 6 * m, 2 * len(robot.legs)),
     )
 

@@ -25,10 +25,7 @@ class NumpyFunction(Function):
         )
 
     def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
-        given = [
-            np.zeros(n) if a is None else a
-            for a, n in zip(inputs, self.kernel.inputs, strict=True)
-        ]
+        given = [np.zeros(n) if a is None else a for a, n in zip(inputs, self.kernel.inputs, strict=True)]
 
         def trigger() -> None:
             for out, value in zip(outputs, self(*given), strict=True):

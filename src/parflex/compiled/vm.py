@@ -46,10 +46,10 @@ class VmFunction(Function):
         buffer, run = self.graph.buffer()
         for i, a in enumerate(inputs):
             if a is not None and a.size:
-                buffer.set_arg(i, memoryview(a))
+                buffer.set_arg(i, a.data)
         for i, a in enumerate(outputs):
             if a is not None and a.size:
-                buffer.set_res(i, memoryview(a))
+                buffer.set_res(i, a.data)
         kept = (buffer, tuple(inputs), tuple(outputs))
 
         def trigger(_kept: object = kept) -> None:

@@ -5,6 +5,7 @@
 
 import warnings
 from dataclasses import replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -158,9 +159,7 @@ def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> 
     quotient = np.sum(elastic * (stiffness @ elastic), axis=0)
     frequencies = np.sqrt(quotient / np.sum(elastic * (mass @ elastic), axis=0))
     deflection = elastic[basis.dofs.nodal_dofs[0]]
-    return PlateSolution(
-        basis, frequencies, canonical(elastic, frequencies, deflection, len(corners))
-    )
+    return PlateSolution(basis, frequencies, canonical(elastic, frequencies, deflection, len(corners)))
 
 
 def bending_form(section: Section) -> skfem.BilinearForm:
@@ -207,7 +206,7 @@ def clusters(frequencies: Array) -> list[tuple[int, int]]:
     """Ranges of modes whose neighbours lie closer than `DEGENERATE`."""
     breaks = [i for i in range(1, len(frequencies)) if not close(frequencies, i)]
     edges = [0, *breaks, len(frequencies)]
-    return [(a, b) for a, b in zip(edges[:-1], edges[1:], strict=True) if b > a]
+    return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
 def close(frequencies: Array, i: int) -> bool:
@@ -267,9 +266,7 @@ def sampled(solution: PlateSolution, section: Section) -> tuple[PlateFields, Pla
     u, u_x, u_y = (coefficients[dofs].T for dofs in basis.dofs.nodal_dofs[:3])
     at_nodes = PlateFields(u, np.stack([u_x, u_y], axis=1))
     rigid = PlateFields(np.zeros((3, dx.size)), np.zeros((3, 2, dx.size))).plus_rigid(np.eye(3), x)
-    motion = -np.linalg.solve(
-        modal_mass(rigid, rigid, section, dx), modal_mass(rigid, inside, section, dx)
-    ).T
+    motion = -np.linalg.solve(modal_mass(rigid, rigid, section, dx), modal_mass(rigid, inside, section, dx)).T
     inside, at_nodes = inside.plus_rigid(motion, x), at_nodes.plus_rigid(motion, basis.mesh.p)
     whiten = np.linalg.inv(np.linalg.cholesky(modal_mass(inside, inside, section, dx)))
     return inside.mixed(whiten), at_nodes.mixed(whiten)

@@ -4,9 +4,8 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from parflex.array import Array
+from parflex.array import Array, Given
 from parflex.chain import Chain, Frames, Joints
 from parflex.check import finite, rotation_matrix, scalar
 from parflex.errors import InputError
@@ -35,8 +34,8 @@ class Joint:
     theta: float = 0.0
     r: float = 0.0
     M: float = 0.0
-    MS: ArrayLike = (0.0, 0.0, 0.0)
-    I: ArrayLike = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
+    MS: Given = (0.0, 0.0, 0.0)
+    I: Given = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
     IA: float = 0.0
 
     def __post_init__(self) -> None:
@@ -61,7 +60,7 @@ class Tip:
     the platform's attachment number `attachment` (from 0)."""
 
     frame: int
-    offset: ArrayLike = (0.0, 0.0, 0.0)
+    offset: Given = (0.0, 0.0, 0.0)
     attachment: int = 0
 
     def __post_init__(self) -> None:
@@ -77,8 +76,8 @@ class Leg:
     Raises InputError where the tree has a loop or a tip is on no link.
     """
 
-    rotation: ArrayLike
-    origin: ArrayLike
+    rotation: Given
+    origin: Given
     joints: tuple[Joint, ...]
     tips: tuple[Tip, ...]
 
@@ -97,9 +96,7 @@ class Leg:
             raise InputError("Leg.tips is empty; a leg holds the platform by at least one tip")
         for tip in self.tips:
             if not 1 <= tip.frame <= len(self.joints):
-                raise InputError(
-                    f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}"
-                )
+                raise InputError(f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}")
 
     @property
     def structure(self) -> tuple[object, ...]:

@@ -1,6 +1,7 @@
 """The robot of the paper's Section 6: six UPS legs that hold a hexagonal plate by its corners."""
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -63,7 +64,7 @@ TABLE_4 = {
 # Sec. 6.1: a regular hexagon in a circle of 0.5 m. Poisson's ratio is not printed; 0.3 reproduces
 # the first seven elastic modes of Table 2 within 1.5 %.
 SIDE = 0.5
-PLATE = {"thickness": 15e-3, "young": 2e10, "poisson": 0.3, "density": 7.5e3}
+PLATE: dict[str, Any] = {"thickness": 15e-3, "young": 2e10, "poisson": 0.3, "density": 7.5e3}
 
 HOME = (0.25, 0.25 * np.sqrt(3.0), 1.0)
 
@@ -96,9 +97,7 @@ def links() -> tuple[Joint, ...]:
             [t["XZ"][j], t["YZ"][j], t["ZZ"][j]],
         ]
         MS = (t["MX"][j], t["MY"][j], t["MZ"][j])
-        joints.append(
-            Joint(j, sigma, mu, alpha=alpha, M=t["M"][j], MS=MS, I=inertia, IA=t["IA"][j])
-        )
+        joints.append(Joint(j, sigma, mu, alpha=alpha, M=t["M"][j], MS=MS, I=inertia, IA=t["IA"][j]))
     return tuple(joints)
 
 
