@@ -1,0 +1,235 @@
+"""The oracle against stored reference cases, and the library against the oracle.
+
+The cases are looked for in the subfolder `robots` of the folder that the environment variable PARFLEX_CASES
+names; without it those tests are skipped.
+"""
+
+import json
+import os
+from pathlib import Path
+from types import SimpleNamespace
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+import oracle
+import parflex as pf
+from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners
+
+pytestmark = pytest.mark.filterwarnings("ignore:.*cut a degenerate pair")
+
+# Errors are max|Δ| / max(1, max|x|) of a block of one state.
+CASES = 1e-11  # solved in 80 bits, scaled condition below 20: round-off of ours leaves 1e-13
+LIBRARY = 1e-10  # two solutions in 64 bits, near singular poses too: round-off leaves 1e-12
+SAME_MODES = 1e-11  # the same eigenvalue problem solved twice; threads may add in another order
+
+STATES = {0: 100, 1: 100, 10: 100, 40: 30}  # by number of modes
+BACKENDS = ("numpy", "vm")
+
+
+def error(found, wanted):
+    """The largest error over the states, which are the first axis."""
+    found, wanted = (np.reshape(x, (len(wanted), -1)) for x in (found, wanted))
+    size = np.max(np.abs(wanted), axis=1, initial=1.0)
+    return np.max(np.max(np.abs(found - wanted), axis=1, initial=0.0) / size)
+
+
+def stacked(motions):
+    """One Motion whose fields are arrays with the states in front; joint accelerations side by side."""
+    flat = [m._replace(qdd=np.concatenate(m.qdd)) for m in motions]
+    return oracle.Motion(*(np.array(field) for field in zip(*flat, strict=True)))
+
+
+# --- the oracle against the cases ---
+
+
+class Case(NamedTuple):
+    robot: SimpleNamespace  # legs and gravity
+    flexible: dict  # arrays of the flexible file: nodes and shapes
+    name: str
+    folder: Path
+
+
+@pytest.fixture(scope="module", params=["rus6", "rps3", "delta3"])
+def case(request):
+    if "PARFLEX_CASES" not in os.environ:
+        pytest.skip("PARFLEX_CASES does not name the folder of the reference cases")
+    folder = Path(os.environ["PARFLEX_CASES"]) / "robots"
+    table = folder / f"{request.param}.json"
+    if not table.exists():
+        pytest.skip(f"PARFLEX_CASES has no robots/{table.name}")
+    data = json.loads(table.read_text())
+    robot = SimpleNamespace(legs=[leg(row) for row in data["legs"]], gravity=data["gravity"])
+    return Case(robot, dict(np.load(folder / f"{request.param}_flex.npz")), request.param, folder)
+
+
+def leg(row):
+    """A leg from its JSON table."""
+    names = ("antecedent", "sigma", "mu", "gamma", "b", "alpha", "d", "theta", "r", "IA")
+    joints = [pf.Joint(**{name: j[name] for name in names}, **j["link"]) for j in row["joints"]]
+    tips = [pf.Tip(**tip) for tip in row["tips"]]
+    return pf.Leg(row["base"]["rotation"], row["base"]["origin"], joints, tips)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "flex", "nostiff"])
+def test_oracle_reproduces_case(case, kind):
+    """Direct and inverse models; 'nostiff' is 'flex' with K = D = 0, where inertia is not hidden."""
+    nodes = case.flexible
+    arrays = np.load(case.folder / f"{case.name}_rigid.npz") if kind == "rigid" else nodes
+    modes = 0 if kind == "rigid" else len(nodes["frequencies"])
+    platform = oracle.nodal_platform(
+        nodes["node_positions"],
+        nodes["node_masses"],
+        nodes["shapes"][:modes],
+        nodes["frequencies"][:modes] * (kind != "nostiff"),
+        nodes["damping_ratio"],
+        nodes["attachment_nodes"],
+    )
+    rows = np.argmax(arrays["S_o"], axis=1)
+    direct, inverse = [], []
+    fields = ("position", "rotation", "twist", "elastic", "elastic_rate")
+    for s, q in enumerate(arrays["q"]):
+        state = pf.State(*(arrays[field][s] for field in fields))
+        forces, target = arrays["forces"][s], arrays["inverse_target"][s]
+        direct.append(oracle.direct(case.robot, platform, state, forces, start=q))
+        inverse.append(oracle.inverse(case.robot, platform, state, target, start=q, rows=rows))
+    stored = {"platform": "platform", "elastic": "elastic", "qdd": "qdd", "forces": "forces"}
+    stored["contact_forces"] = "contact_platform"
+    words = ("nostiff", "nostiff_inverse") if kind == "nostiff" else ("direct", "inverse")
+    errors = {
+        f"{word}_{name}": error(getattr(motion, field), arrays[f"{word}_{name}"])
+        for word, motion in zip(words, map(stacked, (direct, inverse)), strict=True)
+        for field, name in stored.items()
+        if f"{word}_{name}" in arrays
+    }
+    assert len(errors) >= 6
+    assert max(errors.values()) <= CASES, errors
+
+
+# --- the library against the oracle ---
+
+
+class Problem(NamedTuple):
+    """A robot, states of it, what is given, and what the oracle finds."""
+
+    robot: pf.Robot
+    states: pf.State
+    forces: np.ndarray
+    target: np.ndarray
+    wrenches: list
+    direct: oracle.Motion
+    inverse: oracle.Motion
+
+
+def problem(robot, cloud, count, elastic, elastic_rate, static, rng, node=None):
+    """Random states within 0.1 m and 0.1 rad of home, random forces about the static ones, random targets;
+    a random world force on `node`; the oracle's answers."""
+    place, axes = robot.home_pose
+    states = pf.State(
+        position=np.add(place, rng.uniform(-0.1, 0.1, (count, 3))),
+        rotation=axes @ Rotation.from_rotvec(rng.uniform(-0.1, 0.1, (count, 3))).as_matrix(),
+        twist=rng.normal(0.0, 0.5, (count, 6)),
+        elastic=elastic * rng.standard_normal((count, len(elastic))),
+        elastic_rate=elastic_rate * rng.standard_normal((count, len(elastic))),
+    )
+    forces = static + rng.uniform(-300.0, 300.0, (count, len(static)))
+    target = rng.uniform(-1.0, 1.0, (count, 6)) * [2, 2, 2, 4, 4, 4]
+    pushes = rng.uniform(-200.0, 200.0, (count, 3))
+    wrenches = [] if node is None else [pf.Wrench(node, pushes)]
+    direct, inverse = [], []
+    for s in range(count):
+        state = states[s]
+        load = None if node is None else cloud.node_force(state, node, pushes[s])
+        system = oracle.system(robot, cloud, state, load)
+        direct.append(oracle.direct_of(system, forces[s]))
+        inverse.append(oracle.inverse_of(system, target[s]))
+    return Problem(robot, states, forces, target, wrenches, stacked(direct), stacked(inverse))
+
+
+@pytest.fixture(scope="module", params=list(STATES))
+def plate(request):
+    """The paper's plate with N modes; higher ones bend and move less, as q ∝ ω⁻² and q̇ ∝ ω⁻¹."""
+    robot = pf.robots.gough_stewart(modes=request.param)
+    cloud = oracle.plate_cloud(corners(), **PLATE, n_modes=request.param, damping_ratio=DAMPING_RATIO)
+    omega = np.sqrt(cloud.stiffness)
+    softer = omega[:1] / omega
+    static = pf.Model(robot, backend="numpy").static(*robot.home_pose)[1]
+    rng = np.random.default_rng(request.param)
+    count = STATES[request.param]
+    return problem(robot, cloud, count, 0.01 * softer**2, 0.1 * softer, static, rng)
+
+
+FREQUENCIES = {"stiff": np.array([200.0, 310.0, 420.0, 560.0, 730.0, 900.0]), "free": np.zeros(6)}
+
+
+@pytest.fixture(scope="module", params=list(FREQUENCIES))
+def blob(request):
+    """An asymmetrical cloud with random shapes: ∫Φ dm and ∫ r × Φ dm are not zero, nor is the centre of mass
+    the origin. 'free' has no stiffness and more deflection, so that inertia is not hidden."""
+    omega, held, nodes = FREQUENCIES[request.param], [34, 3, 11, 20, 58, 47], 60
+    rng = np.random.default_rng(7)
+    positions = rng.uniform(-1.0, 1.0, (nodes, 3)) * [0.5, 0.5, 0.15]
+    positions[held] = np.pad(corners(), ((0, 0), (0, 1))) + rng.uniform(-0.05, 0.05, (6, 3))
+    positions += [0.06, -0.08, 0.05]
+    masses = rng.uniform(0.2, 2.5, nodes)
+    orthogonal = np.linalg.qr(rng.standard_normal((3 * nodes, len(omega))))[0]
+    shapes = orthogonal.T.reshape(-1, nodes, 3) / np.sqrt(masses)[:, None]  # ΦᵀMΦ = 1
+    rotations, zeta = rng.standard_normal(shapes.shape), rng.uniform(0.01, 0.3, len(omega))
+    rigid = pf.FlexibleBody.from_nodes(positions, masses, shapes[:0], omega[:0], 0.0, held)
+    stiff_robot = pf.robots.gough_stewart(platform=rigid)
+    static = pf.Model(stiff_robot, backend="numpy").static(*stiff_robot.home_pose)[1]
+    body = pf.FlexibleBody.from_nodes(positions, masses, shapes, omega, zeta, held, rotations)
+    robot = pf.robots.gough_stewart(platform=body)
+    cloud = oracle.nodal_platform(positions, masses, shapes, omega, zeta, held)
+    softer = omega[0] / omega if np.all(omega) else np.full(6, np.sqrt(10.0))
+    return problem(robot, cloud, 100, 0.01 * softer**2, 0.1 * softer, static, rng, node=17)
+
+
+def errors_of(problem, backend):
+    """Direct and inverse model of the library against the oracle, by block."""
+    model = pf.Model(problem.robot, backend=backend)
+    direct = model.direct(problem.states, problem.forces, problem.wrenches)
+    inverse = model.inverse(problem.states, problem.target, wrenches=problem.wrenches)
+    pairs = {"direct": (direct, problem.direct), "inverse": (inverse, problem.inverse)}
+    return {
+        f"{name}.{field}": error(getattr(found, field), getattr(wanted, field))
+        for name, (found, wanted) in pairs.items()
+        for field in found._fields
+    }
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_plate_on_six_legs(plate, backend):
+    """The paper's robot, rigid and with the modes of its plate."""
+    errors = errors_of(plate, backend)
+    assert max(errors.values()) <= LIBRARY, errors
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_nodal_body_with_external_force(blob, backend):
+    """Every inertia integral of a body without symmetry, and a world force on one of its nodes."""
+    errors = errors_of(blob, backend)
+    assert max(errors.values()) <= LIBRARY, errors
+
+
+def test_external_force_matters(blob):
+    """Without the force the answers differ: the comparison above does see it."""
+    model = pf.Model(blob.robot, backend="numpy")
+    free = model.direct(blob.states, blob.forces)
+    assert error(free.platform, blob.direct.platform) > 1e-3
+
+
+@pytest.mark.parametrize("modes", [10, 40])  # 10 cuts a degenerate pair
+def test_plate_cloud_has_the_modes_of_the_plate(modes):
+    """Number, order and signs of the modes at the corners, frequencies, mass, and unit modal mass."""
+    cloud = oracle.plate_cloud(corners(), **PLATE, n_modes=modes)
+    computed = pf.fe.plate_modes(corners(), **PLATE, n_modes=modes)
+    at_corners = np.moveaxis(computed.shapes[:, list(computed.corners)], 0, -1)
+    flat = cloud.shapes.reshape(modes, 3 * len(cloud.masses))
+    modal_mass = (flat * np.repeat(cloud.masses, 3)) @ flat.T
+    assert error([cloud.attachment_shapes], [at_corners]) <= SAME_MODES
+    assert error([cloud.stiffness], [computed.frequencies**2]) <= SAME_MODES
+    assert error([np.sum(cloud.masses)], [computed.moments.m]) <= SAME_MODES
+    assert error([modal_mass], [np.eye(modes)]) <= SAME_MODES
