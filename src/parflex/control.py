@@ -27,9 +27,33 @@ class Law(ABC):
     def __call__(self, t: float, x: Array) -> Array:
         """Forces (m,) for the flat state; what acts on the platform from outside is not known."""
 
+    @abstractmethod
+    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
+        """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the
+        external generalised force w (6 + N,)."""
+
     def explain(self) -> str:
         """Why the motion may have failed after the last call; empty where the law knows nothing."""
         return ""
+
+
+class Driven(Law):
+    """A law that gives forces only; the direct model turns them into motion."""
+
+    def __init__(self, model: "Model") -> None:
+        function = model.function("derivative")
+        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
+        self._results = [np.zeros(n) for n in function.kernel.outputs]
+        self._run = function.bind(self._inputs, self._results)
+        self._robot = model.robot
+
+    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
+        for own, given in zip(self._inputs, (x, self(t, x), w), strict=True):
+            own[:] = given
+        self._run()
+        moved, powers, margins = self._results
+        singular.check_legs(self._robot, margins)
+        return moved, powers
 
 
 class Controller(ABC):
@@ -74,27 +98,31 @@ class ComputedTorque(Controller):
 
 
 class Tracking(Law):
-    """Computed torque on buffers of its own."""
+    """Computed torque: inverse and direct model in one kernel, on buffers of its own."""
 
     def __init__(self, model: "Model", trajectory: Trajectory, gains: Array) -> None:
         output = FrameOutput()
         function = model.function("tracking", output)
         self._inputs = [np.zeros(n) for n in function.kernel.inputs]
         self._results = [np.zeros(n) for n in function.kernel.outputs]
-        self._trigger = function.bind(self._inputs, self._results)
+        self._run = function.bind(self._inputs, self._results)
         self._inputs[2][:] = gains
         self._robot, self._trajectory = model.robot, trajectory
         self._watch = singular.Watch(model.robot, output)
 
     def __call__(self, t: float, x: Array) -> Array:
-        own_x, wanted, _ = self._inputs
-        forces, gain, Jp_invT, margins = self._results
-        own_x[:] = x
+        self.rate(t, x, np.zeros_like(self._inputs[3]))
+        return self._results[0]
+
+    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
+        own_x, wanted, _, own_w = self._inputs
+        _, gain, Jp_invT, moved, powers, margins = self._results
+        own_x[:], own_w[:] = x, w
         np.concatenate([part.reshape(-1) for part in self._trajectory.at(np.asarray(t))], out=wanted)
-        self._trigger()
+        self._run()
         singular.check_legs(self._robot, margins)
         self._watch.look(gain, Jp_invT)
-        return forces
+        return moved, powers
 
     def explain(self) -> str:
         return self._watch.explain(self._results[1])
@@ -126,10 +154,11 @@ class JointPD(Controller):
         return Springs(model, self)
 
 
-class Springs(Law):
+class Springs(Driven):
     """Joint springs and dampers on buffers of their own."""
 
     def __init__(self, model: "Model", control: JointPD) -> None:
+        super().__init__(model)
         function = model.function("actuators")
         self._x = np.zeros(function.kernel.inputs[0])
         self._q, self._qd = (np.zeros(n) for n in function.kernel.outputs)
@@ -146,29 +175,30 @@ class Springs(Law):
         return c.forces + c.kp * (self._wanted - self._q) - c.kd * self._qd
 
 
-@dataclass(frozen=True)
-class Called(Law):
+class Called(Driven):
     """A caller's function (t, state) -> forces (m,)."""
 
-    function: Callable[[float, State], ArrayLike]
-    forces: int
-    modes: int
+    def __init__(self, model: "Model", function: Callable[[float, State], ArrayLike]) -> None:
+        super().__init__(model)
+        self._function, self._modes = function, model.robot.platform.modes
 
     def __call__(self, t: float, x: Array) -> Array:
-        found = finite("controller(t, state)", self.function(t, unpack(x, self.modes)))
-        if found.shape != (self.forces,):
-            raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({self.forces},)")
+        found = finite("controller(t, state)", self._function(t, unpack(x, self._modes)))
+        m = self._robot.n_forces
+        if found.shape != (m,):
+            raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
         return found
 
 
-@dataclass(frozen=True, eq=False)
-class Constant(Law):
-    """The same forces at all times."""
+class Constant(Driven):
+    """The same forces (m,) at all times."""
 
-    forces: Array
+    def __init__(self, model: "Model", forces: Array) -> None:
+        super().__init__(model)
+        self._forces = forces
 
     def __call__(self, t: float, x: Array) -> Array:
-        return self.forces
+        return self._forces
 
 
 def as_law(model: "Model", given: Any) -> Law:
@@ -177,11 +207,11 @@ def as_law(model: "Model", given: Any) -> Law:
     if isinstance(given, Controller):
         return given.bind(model)
     if callable(given):
-        return Called(given, m, model.robot.platform.modes)
+        return Called(model, given)
     constant = finite("forces_or_controller", given)
     if constant.shape != (m,):
         raise InputError(
             f"forces_or_controller has shape {constant.shape}; give forces ({m},), a Controller, or "
             f"a function (t, state) -> forces ({m},)"
         )
-    return Constant(constant)
+    return Constant(model, constant)

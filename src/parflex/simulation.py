@@ -13,7 +13,6 @@ from parflex.control import Controller, Law, as_law
 from parflex.errors import InputError
 from parflex.progress import Progress
 from parflex.result import Result
-from parflex.singular import check_legs
 from parflex.state import State, Wrench, pack, unpack
 from parflex.wrench import generalised_force
 
@@ -68,14 +67,13 @@ def simulate(
     loads = wrench_law(model, wrenches)
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
-    run = integrate(model, law, loads, start, times, tolerances)
+    run = integrate(law, loads, start, times, tolerances)
     u, w = control_history(law, loads, run)
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
     return Result.of_run(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
 
 def integrate(
-    model: "Model",
     law: Law,
     loads: Callable[[float, Array], Array],
     start: Array,
@@ -83,7 +81,7 @@ def integrate(
     tolerances: dict[str, float],
 ) -> Run:
     """Steps of the integrator, read out at the output times."""
-    rate = RightHandSide(model, law, loads)
+    rate = RightHandSide(law, loads)
     y = np.concatenate([start, np.zeros(WORKS)])
     rate.first(times[0], y)
     rows, done, reached_t, stopped = [y], 1, times[0], ""
@@ -115,29 +113,20 @@ def integrate(
 
 
 class RightHandSide:
-    """ẏ for y = (flat state, works), on buffers of its own.
+    """ẏ for y = (flat state, works).
 
     Where the model or the controller refuses a trial state, the answer is not a number: the
     integrator then shortens its step, and ends when that does not help.
     """
 
-    def __init__(self, model: "Model", law: Law, loads: Callable[[float, Array], Array]) -> None:
-        function = model.function("derivative")
-        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
-        self._outputs = [np.zeros(n) for n in function.kernel.outputs]
-        self._trigger = function.bind(self._inputs, self._outputs)
-        self._robot, self._law, self._loads = model.robot, law, loads
+    def __init__(self, law: Law, loads: Callable[[float, Array], Array]) -> None:
+        self._law, self._loads = law, loads
         self.refused: InputError | None = None  # why, since somebody last set it to None
 
     def first(self, t: float, y: Array) -> Array:
         """As a call, but what refuses the state is raised."""
-        (x, u, w), (xd, powers, margins) = self._inputs, self._outputs
-        x[:] = y[:-WORKS]
-        w[:] = self._loads(t, x)
-        u[:] = self._law(t, x)
-        self._trigger()
-        check_legs(self._robot, margins)
-        return np.concatenate([xd, powers])
+        x = y[:-WORKS]
+        return np.concatenate(self._law.rate(t, x, self._loads(t, x)))
 
     def __call__(self, t: float, y: Array) -> Array:
         try:

@@ -56,16 +56,26 @@ def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
     )
 
 
+def derivative(robot: Robot) -> Kernel:
+    """(x, u, w) -> ẋ, powers, leg margins, as in `rate_of`."""
+    N, m, _ = sizes(robot)
+
+    def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
+        return rate_of(robot, dynamics.assemble(robot, coordinates(x, N)), x, u, w)
+
+    return Kernel("derivative", function, (state_size(N), m, 6 + N), rate_sizes(robot))
+
+
 def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
-    """(x, wanted 24, gains 12) -> Γ, gain, J_p⁻ᵀ (by rows), leg margins.
+    """(x, wanted 24, gains 12, w) -> Γ, gain and J_p⁻ᵀ (by rows), and `rate_of` under Γ.
 
     wanted = (p 3, R 9 by rows, V 6, V̇ 6) as in `trajectory.Sample`, gains = (kp 6, kd 6). The
     target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp; the attitude error is the axial part
-    of RᵀR_d, which for small angles is their rotation vector.
+    of RᵀR_d, which for small angles is their rotation vector. Γ does not know of the loads w.
     """
     N, m, _ = sizes(robot)
 
-    def function(x: Array, wanted: Array, gains: Array) -> tuple[Array, ...]:
+    def function(x: Array, wanted: Array, gains: Array, w: Array) -> tuple[Array, ...]:
         now = coordinates(x, N)
         R_d = wanted[..., 3:12].reshape(wanted.shape[:-1] + (3, 3))
         R_pd = np.matmul(transpose(now.rotation), R_d)
@@ -79,43 +89,34 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
         system = dynamics.assemble(robot, now)
         found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output)
         gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
-        return found.forces, gain, Jp_invT, dynamics.leg_margins(system)
+        return (found.forces, gain, Jp_invT, *rate_of(robot, system, x, found.forces, w))
 
     return Kernel(
         "tracking",
         function,
-        (state_size(N), 24, 12),
-        (m, output.size * m, 6 * m, 2 * len(robot.legs)),
+        (state_size(N), 24, 12, 6 + N),
+        (m, output.size * m, 6 * m, *rate_sizes(robot)),
     )
 
 
-def derivative(robot: Robot) -> Kernel:
-    """(x, u, w) -> ẋ, the powers of actuators, wrenches and damping (a loss), leg margins."""
-    N, m, _ = sizes(robot)
+def rate_of(robot: Robot, system: dynamics.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
+    """ẋ, the powers of actuators, wrenches and damping (a loss), and the leg margins."""
+    c = coordinates(x, robot.platform.modes)
+    Vd, qdd_e, _ = dynamics.direct_of(robot, system, u, w)
+    v_p, omega = c.twist[..., :3], c.twist[..., 3:]
+    rate = Vd - join([cross(omega, v_p), np.zeros(3)])
+    powers = [
+        dot(u, dynamics.joint_rates(robot, system)),
+        dot(w[..., :6], c.twist) + dot(w[..., 6:], c.elastic_rate),
+        dot(c.elastic_rate, robot.platform.damping * c.elastic_rate),
+    ]
+    moved = join([mv(c.rotation, v_p), quaternion_rate(x[..., 3:7], omega), rate, c.elastic_rate, qdd_e])
+    return moved, join([power[..., None] for power in powers]), dynamics.leg_margins(system)
 
-    def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        c = coordinates(x, N)
-        system = dynamics.assemble(robot, c)
-        Vd, qdd_e, _ = dynamics.direct_of(robot, system, u, w)
-        v_p, omega = c.twist[..., :3], c.twist[..., 3:]
-        velocity = mv(c.rotation, v_p)
-        rate = Vd - join([cross(omega, v_p), np.zeros(3)])
-        turning = quaternion_rate(x[..., 3:7], omega)
-        powers = [
-            dot(u, dynamics.joint_rates(robot, system)),
-            dot(w[..., :6], c.twist) + dot(w[..., 6:], c.elastic_rate),
-            dot(c.elastic_rate, robot.platform.damping * c.elastic_rate),
-        ]
-        moved = join([velocity, turning, rate, c.elastic_rate, qdd_e])
-        margins = dynamics.leg_margins(system)
-        return moved, join([power[..., None] for power in powers]), margins
 
-    return Kernel(
-        "derivative",
-        function,
-        (state_size(N), m, 6 + N),
-        (state_size(N), 3, 2 * len(robot.legs)),
-    )
+def rate_sizes(robot: Robot) -> tuple[int, int, int]:
+    """Lengths of what `rate_of` returns."""
+    return state_size(robot.platform.modes), 3, 2 * len(robot.legs)
 
 
 def actuators(robot: Robot) -> Kernel:
