@@ -302,3 +302,29 @@ def test_too_soft_for_its_weight(model_of):
     """A plate of a tenth of the frequencies has no equilibrium with small deflections."""
     with pytest.raises(pf.NotConverged, match="too soft for its weight"):
         soft_model(model_of, 0.02).static(*model_of(5).robot.home_pose)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm"])
+def test_legs_without_inertia_are_refused(backend):
+    """A is singular: no acceleration is finite, and a simulation does not even start."""
+    good = pf.robots.gough_stewart(0)
+    light = [
+        replace(
+            one, joints=tuple(replace(j, M=0, MS=(0, 0, 0), I=np.zeros((3, 3)), IA=0) for j in one.joints)
+        )
+        for one in good.legs
+    ]
+    model = pf.Model(replace(good, legs=tuple(light)), backend)
+    for call in (model.direct, model.inverse):
+        with pytest.raises(pf.SingularPose, match="no inertia against one of its motions"):
+            call(good.home, np.zeros(6))
+    with pytest.raises(pf.SingularPose, match="no inertia"):
+        pf.simulate(model, np.zeros(6), good.home, [0, 0.1])
+
+
+def test_computed_torque_needs_six_actuators():
+    robot = pf.robots.gough_stewart(0)
+    three = pf.Model(pf.Robot(robot.legs[:3], robot.platform))
+    way = pf.Trajectory.through(robot.home, [((0.1, 0, 0), (0, 0, 0))], 1.0)
+    with pytest.raises(pf.InputError, match="follows 6 freedoms, but the robot has 3 actuators"):
+        pf.ComputedTorque(three, way)

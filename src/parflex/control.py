@@ -85,6 +85,12 @@ class ComputedTorque(Controller):
             if gain.shape not in ((), (6,)) or np.any(gain < 0):
                 raise InputError(f"ComputedTorque.{name} is {gain}; give one value ≥ 0, or six")
             object.__setattr__(self, name, gain)
+        actuators, rows = self.model.robot.n_forces, FrameOutput().size
+        if actuators < rows:
+            raise InputError(
+                f"ComputedTorque follows {rows} freedoms, but the robot has {actuators} actuators; "
+                f"use JointPD or a function of your own"
+            )
 
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""

@@ -81,6 +81,7 @@ class Model:
         check_batch(x, u, w, "forces")
         Vd, qdd_e, f, margins = self.function("direct")(x, u, w)
         singular.check_legs(self.robot, margins)
+        singular.check_finite(Vd)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
     def inverse(
@@ -108,6 +109,7 @@ class Model:
         found = self.function("inverse", output)(x, wanted, w)
         forces, Vd, qdd_e, f, gain, Jp_invT, margins = found
         singular.check_legs(self.robot, margins)
+        singular.check_finite(gain)
         singular.check_gain(self.robot, output, gain, Jp_invT)
         return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
 

@@ -66,9 +66,8 @@ class Result:
             os.chmod(part, 0o666 & ~current_umask())
             os.replace(part, target)
         except OSError as error:
-            raise InputError(
-                f"{target} was not written: {error.strerror or error}; what was there is untouched"
-            ) from None
+            reason = os.strerror(error.errno) if error.errno else str(error)
+            raise InputError(f"{target} was not written: {reason}; what was there is untouched") from None
         finally:
             if part is not None:
                 Path(part).unlink(missing_ok=True)

@@ -13,6 +13,7 @@ from parflex.control import Controller, Law, as_law
 from parflex.errors import InputError
 from parflex.progress import Progress
 from parflex.result import Result
+from parflex.singular import check_finite
 from parflex.state import State, Wrench, pack, unpack
 from parflex.wrench import generalised_force
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from parflex.model import Model
 
 Loads = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
+SMALLEST = 1e-11  # step against the whole run: it would take days
 WORKS = 3  # actuators, external wrenches, damping: integrated beside the state
 
 
@@ -99,6 +101,9 @@ def integrate(
                     rows += [read(time) for time in times[done:reached]]
                     done = reached
                 reached_t, rate.refused = solver.t, None
+                if solver.status == "running" and solver.step_size < SMALLEST * (times[-1] - times[0]):
+                    stopped = law.explain() or "the step size vanished: it diverges"
+                    break
                 bar.to(reached_t - times[0])
         except KeyboardInterrupt:
             stopped = "interrupted"
@@ -126,7 +131,9 @@ class RightHandSide:
     def first(self, t: float, y: Array) -> Array:
         """As a call, but what refuses the state is raised."""
         x = y[:-WORKS]
-        return np.concatenate(self._law.rate(t, x, self._loads(t, x)))
+        found = np.concatenate(self._law.rate(t, x, self._loads(t, x)))
+        check_finite(found)
+        return found
 
     def __call__(self, t: float, y: Array) -> Array:
         try:

@@ -10,6 +10,11 @@ from parflex.robot import Robot
 
 SINGULAR = 1e-8  # smallest acceptable ratio of singular values, lengths scaled by the platform's
 
+NO_INERTIA = (
+    "some link or the platform has no inertia against one of its motions, so that no acceleration is "
+    "finite: give it mass, inertia or a rotor inertia IA"
+)
+
 
 def check_legs(robot: Robot, margins: Array) -> None:
     """Raise where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose).
@@ -27,6 +32,13 @@ def check_legs(robot: Robot, margins: Array) -> None:
             leg = numbers[int(np.argwhere(bad)[0][-1])]
             where = index_of(np.any(bad, axis=-1))
             raise error(f"pose{where}: leg {leg + 1} {what}")
+
+
+def check_finite(answer: Array) -> None:
+    """Raise where the mechanics itself has no answer, though every leg is regular."""
+    if not np.all(np.isfinite(answer)):
+        where = index_of(~np.all(np.isfinite(answer), axis=-1))
+        raise SingularPose(f"at the state{where}, {NO_INERTIA}")
 
 
 def split_margins(robot: Robot, margins: Array) -> tuple[Array, Array, list[int]]:

@@ -10,12 +10,17 @@ from parflex.array import Array
 from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
 from parflex.compiled.kernels import Kernel
 from parflex.compiled.symbol import symbols, vector
+from parflex.errors import SingularPose
+from parflex.singular import NO_INERTIA
 
 
 def trace(kernel: Kernel) -> casadi.Function:
     """The CasADi graph of a kernel: the kernel itself, run on a batch of one state of symbols."""
     inputs = [symbols(f"i{i}", size) for i, size in enumerate(kernel.inputs)]
-    outputs = kernel.function(*(array[None] for _, array in inputs))
+    try:
+        outputs = kernel.function(*(array[None] for _, array in inputs))
+    except ZeroDivisionError:  # a constant pivot of an inertia matrix
+        raise SingularPose(f"at any state, {NO_INERTIA}") from None
     return casadi.Function(
         kernel.name, [sx for sx, _ in inputs], [vector(array) for array in outputs], {"cse": True}
     )
