@@ -76,8 +76,8 @@ def nodal_platform(positions, masses, shapes, frequencies, damping_ratio, attach
     return NodalPlatform(positions, masses, shapes, stiffness, damping, held, moving)
 
 
-def plate_cloud(corners, thickness, young, poisson, density, n_modes, damping_ratio=0.0):
-    """The Kirchhoff plate of `parflex.fe.plate_modes`, held at its corners.
+def plate_cloud(corners, thickness, young, poisson, density, n_modes, damping_ratio=0.4):
+    """The Kirchhoff plate of `parflex.fe.plate_modes`, held at its corners; damped as in the paper's Table 2.
 
     In the plane the nodes are the quadrature points, whose weights integrate products of the shapes exactly.
     Across it, two layers at z = ±h/√12 carry half the mass each: they have the ∫1, ∫z, ∫z² of the thickness,
@@ -247,10 +247,13 @@ def inverse_of(at, target, rows=range(6)):
 
 
 def direct(robot, platform, state, forces, generalised_wrench=None, start=None):
-    """Accelerations and contact forces for given Γ (m,); the options are those of `system`."""
-    return direct_of(system(robot, platform, state, generalised_wrench, start), forces)
+    """V̇_p (6,), q̈_e (N,), contact forces (k, 3), all in Σp, and q̈ per leg for given Γ (m,); the options are
+    those of `system`."""
+    return direct_of(system(robot, platform, state, generalised_wrench, start), forces)[:4]
 
 
 def inverse(robot, platform, state, target, generalised_wrench=None, start=None, rows=range(6)):
-    """Γ that gives these rows of V̇_p the values `target`; the options are those of `system`."""
-    return inverse_of(system(robot, platform, state, generalised_wrench, start), target, rows)
+    """Γ (m,) that gives these rows of V̇_p the values `target`, and q̈_e (N,); the options are those of
+    `system`."""
+    found = inverse_of(system(robot, platform, state, generalised_wrench, start), target, rows)
+    return found.forces, found.elastic

@@ -23,6 +23,7 @@ pytestmark = pytest.mark.filterwarnings("ignore:.*cut a degenerate pair")
 # Errors are max|Δ| / max(1, max|x|) of a block of one state.
 CASES = 1e-11  # solved in 80 bits, scaled condition below 20: round-off of ours leaves 1e-13
 LIBRARY = 1e-10  # two solutions in 64 bits, near singular poses too: round-off leaves 1e-12
+SAME = 1e-12  # the same operations, but sums may be split otherwise
 SAME_MODES = 1e-11  # the same eigenvalue problem solved twice; threads may add in another order
 
 STATES = {0: 100, 1: 100, 10: 100, 40: 30}  # by number of modes
@@ -93,8 +94,9 @@ def test_oracle_reproduces_case(case, kind):
     for s, q in enumerate(arrays["q"]):
         state = pf.State(*(arrays[field][s] for field in fields))
         forces, target = arrays["forces"][s], arrays["inverse_target"][s]
-        direct.append(oracle.direct(case.robot, platform, state, forces, start=q))
-        inverse.append(oracle.inverse(case.robot, platform, state, target, start=q, rows=rows))
+        system = oracle.system(case.robot, platform, state, start=q)
+        direct.append(oracle.direct_of(system, forces))
+        inverse.append(oracle.inverse_of(system, target, rows))
     stored = {"platform": "platform", "elastic": "elastic", "qdd": "qdd", "forces": "forces"}
     stored["contact_forces"] = "contact_platform"
     words = ("nostiff", "nostiff_inverse") if kind == "nostiff" else ("direct", "inverse")
@@ -115,6 +117,7 @@ class Problem(NamedTuple):
     """A robot, states of it, what is given, and what the oracle finds."""
 
     robot: pf.Robot
+    cloud: oracle.NodalPlatform
     states: pf.State
     forces: np.ndarray
     target: np.ndarray
@@ -145,7 +148,7 @@ def problem(robot, cloud, count, elastic, elastic_rate, static, rng, node=None):
         system = oracle.system(robot, cloud, state, load)
         direct.append(oracle.direct_of(system, forces[s]))
         inverse.append(oracle.inverse_of(system, target[s]))
-    return Problem(robot, states, forces, target, wrenches, stacked(direct), stacked(inverse))
+    return Problem(robot, cloud, states, forces, target, wrenches, stacked(direct), stacked(inverse))
 
 
 @pytest.fixture(scope="module", params=list(STATES))
@@ -212,6 +215,18 @@ def test_nodal_body_with_external_force(blob, backend):
     """Every inertia integral of a body without symmetry, and a world force on one of its nodes."""
     errors = errors_of(blob, backend)
     assert max(errors.values()) <= LIBRARY, errors
+
+
+def test_direct_and_inverse_by_name(blob):
+    """The short calls answer as the ones on an assembled system, which the comparisons above use."""
+    force = blob.wrenches[0].force[0]
+    state, robot, cloud = blob.states[0], blob.robot, blob.cloud
+    load = cloud.node_force(state, blob.wrenches[0].node, force)
+    direct = oracle.direct(robot, cloud, state, blob.forces[0], load)
+    inverse = oracle.inverse(robot, cloud, state, blob.target[0], load)
+    found = (*direct[:3], np.concatenate(direct[3]), *inverse)
+    wanted = (*blob.direct[:4], blob.inverse.forces, blob.inverse.elastic)
+    assert all(error([x], y[:1]) <= SAME for x, y in zip(found, wanted, strict=True))
 
 
 def test_external_force_matters(blob):
