@@ -5,7 +5,7 @@ import pytest
 
 import parflex as pf
 from parflex.array import mv
-from parflex.body import platform_terms
+from parflex.platform import platform_terms
 from parflex.state import State, coordinates, pack
 
 MOMENTUM = 1e-11  # over 2 s at rtol 1e-12

@@ -5,7 +5,7 @@ import pytest
 
 import parflex as pf
 from conftest import MODES, random_forces, random_states, relative
-from parflex import cartesian, chain, dynamics, kinematics
+from parflex import assembly, cartesian, chain, dynamics, kinematics
 from parflex.array import join, mtv, mv, transpose
 from parflex.state import coordinates, pack
 
@@ -123,34 +123,34 @@ def test_closure_and_leg_equations_hold(case):
     """J q̈ + J̇q̇ = Wᵀ(V̇_p, q̈_e) + h, with q̈ from the legs' own dynamics; Eqs. 6, 7 and 10."""
     model, _, forces, x = case
     robot = model.robot
-    system = dynamics.assemble(robot, x)
+    system = assembly.assemble(robot, x)
     found = dynamics.direct_of(robot, system, forces, np.zeros(6 + robot.platform.modes))
     (leg,) = system.legs
     f = found.contact.reshape(STATES, 6, 3)
-    qdd = dynamics.joint_accelerations(leg, forces[:, :, None], f)
+    qdd = assembly.joint_accelerations(leg, forces[:, :, None], f)
     W = np.concatenate([system.W_p, np.broadcast_to(system.W_e, (STATES, *system.W_e.shape))], axis=-2)
     tips = kinematics.point_acceleration(
         W, kinematics.stacked(system.points.h), found.platform, found.elastic
     ).reshape(STATES, 6, 3)
     assert relative(mv(leg.J, qdd) + leg.Jdqd, tips) <= SOLVED
     assert relative(cartesian.tip_to_joints(leg, tips), qdd) <= SOLVED
-    axes = transpose(cartesian.inverse_jacobian(leg)) @ dynamics.selection(leg.group)
+    axes = transpose(cartesian.inverse_jacobian(leg)) @ assembly.selection(leg.group)
     assert relative(cartesian.tip_force(leg, axes, forces[:, :, None], qdd), f) <= SOLVED
 
 
 def test_power_of_the_actuators(case):
     """q̇_a = J_p⁻¹ V_p + J_e⁻¹ q̇_e (Eqs. 19–21) are the rates of the legs (Eq. 2)."""
     model, _, _, x = case
-    system = dynamics.assemble(model.robot, x)
-    Jp, Je = kinematics.actuator_jacobian(system.W_p, system.W_e, dynamics.actuated_axes(model.robot, system))
+    system = assembly.assemble(model.robot, x)
+    Jp, Je = kinematics.actuator_jacobian(system.W_p, system.W_e, assembly.actuated_axes(model.robot, system))
     rates = mtv(Jp, x.twist) + mtv(Je, x.elastic_rate)
-    assert relative(rates, dynamics.joint_rates(model.robot, system)) <= SAME
+    assert relative(rates, assembly.joint_rates(model.robot, system)) <= SAME
 
 
 def test_leg_jacobian_is_that_of_the_paper(case):
     """Eqs. 3 and 4, typed from the paper, in Σ0i; and J q̇ is the tip's velocity (Eq. 1)."""
     model, state, _, x = case
-    (leg,) = dynamics.assemble(model.robot, x).legs
+    (leg,) = assembly.assemble(model.robot, x).legs
     legs = model.legs(state)
     for i in range(6):
         q1, q2, q3 = np.moveaxis(legs.q[i], -1, 0)
@@ -164,7 +164,7 @@ def test_leg_jacobian_is_that_of_the_paper(case):
         )
         in_base = transpose(leg.group.rotation[i]) @ x.rotation @ leg.J[:, i]
         assert relative(in_base, np.moveaxis(printed, -1, 0)) <= SAME
-    system = dynamics.assemble(model.robot, x)
+    system = assembly.assemble(model.robot, x)
     assert relative(mv(leg.J, leg.qd), system.points.v) <= SAME
 
 
@@ -190,7 +190,7 @@ def test_force_at_an_attachment_is_carried_like_a_contact_force(case):
     """A force on the node of an attachment acts as W_i f_i does (Eqs. 26–28)."""
     model, state, _, x = case
     body, f = model.robot.platform, np.array([5.0, -7.0, 11.0])
-    system = dynamics.assemble(model.robot, x)
+    system = assembly.assemble(model.robot, x)
     stacked = np.zeros((STATES, 18))
     stacked[:, 6:9] = f
     F_p, Q_p = kinematics.generalised_force(system.W_p, system.W_e, stacked)
@@ -201,7 +201,7 @@ def test_force_at_an_attachment_is_carried_like_a_contact_force(case):
 def test_inertia_matrix_is_that_of_the_inverse_dynamics(case):
     """Column k of A is τ(q̈ = e_k) − τ(q̈ = 0)."""
     model, _, _, x = case
-    (leg,) = dynamics.assemble(model.robot, x).legs
+    (leg,) = assembly.assemble(model.robot, x).legs
     table, frames = leg.group.chain, leg.frames
     for k in range(3):
         unit = np.zeros(3)

@@ -11,8 +11,8 @@ import pytest
 import parflex as pf
 
 MECHANICS = (
-    "array", "spatial", "chain", "legs", "body", "modes", "robot", "state", "kinematics", "dynamics",
-    "cartesian", "energy", "singular", "wrench",
+    "array", "spatial", "chain", "legs", "body", "platform", "modes", "robot", "state", "kinematics",
+    "assembly", "dynamics", "cartesian", "energy", "singular", "wrench",
 )  # fmt: skip
 
 

@@ -18,7 +18,7 @@ from parflex.array import (
     solve_definite,
     transpose,
 )
-from parflex.dynamics import LegTerms, System, actuated_axes, assemble, diagonal
+from parflex.assembly import LegTerms, System, actuated_axes, assemble, diagonal
 from parflex.errors import InputError
 from parflex.robot import Robot
 from parflex.state import Coordinates

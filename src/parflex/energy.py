@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from parflex import chain, dynamics
+from parflex import assembly, chain
 from parflex.array import Array, dot, mtv, mv
-from parflex.body import body_energies
+from parflex.platform import body_energies
 from parflex.robot import Robot
 from parflex.state import Coordinates
 
@@ -18,7 +18,7 @@ def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array]:
     kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
     moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
     weight = -dot(gravity, body.tables.m * x.position + mv(x.rotation, moment))
-    for leg in dynamics.assemble(robot, x).legs:
+    for leg in assembly.assemble(robot, x).legs:
         group = leg.group
         kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)
         in_base = mtv(group.rotation, gravity)

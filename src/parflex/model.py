@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex import cartesian, dynamics, singular
+from parflex import assembly, cartesian, singular
 from parflex.array import Array
 from parflex.cartesian import Cartesian
 from parflex.check import finite
@@ -18,7 +18,7 @@ from parflex.compiled.kernels import Kernel
 from parflex.errors import InputError
 from parflex.output import FrameOutput
 from parflex.robot import Robot
-from parflex.state import State, Wrench, coordinates, pack
+from parflex.state import Coordinates, State, Wrench, coordinates, pack
 from parflex.wrench import generalised_force
 
 
@@ -122,12 +122,12 @@ class Model:
 
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        system = dynamics.assemble(self.robot, self._coordinates(state))
+        system = assembly.assemble(self.robot, self._coordinates(state))
         q: list[Array] = [np.zeros(0)] * len(self.robot.legs)
         qd = list(q)
         for leg in system.legs:
             joints = range(leg.group.chain.n)
-            positions = np.stack([dynamics.joint_position(leg, j) for j in joints], axis=-1)
+            positions = np.stack([assembly.joint_position(leg, j) for j in joints], axis=-1)
             for place, number in enumerate(leg.group.legs):
                 q[number], qd[number] = positions[..., place, :], leg.qd[..., place, :]
         return Legs(tuple(q), tuple(qd))
@@ -160,11 +160,11 @@ class Model:
     def _pack(self, state: State) -> Array:
         return pack(state, self.robot.platform.modes)
 
-    def _coordinates(self, state: State) -> "dynamics.Coordinates":
+    def _coordinates(self, state: State) -> Coordinates:
         """A checked state for the mechanics itself."""
         x = coordinates(self._pack(state), self.robot.platform.modes)
         with np.errstate(invalid="ignore", divide="ignore"):
-            margins = dynamics.leg_margins(dynamics.assemble(self.robot, x))
+            margins = assembly.leg_margins(assembly.assemble(self.robot, x))
         singular.check_legs(self.robot, margins)
         return x
 

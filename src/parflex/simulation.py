@@ -12,6 +12,7 @@ from parflex.check import exactly, positive
 from parflex.control import Controller, Law, as_law
 from parflex.errors import InputError
 from parflex.progress import Progress
+from parflex.record import record
 from parflex.result import Result
 from parflex.singular import check_finite
 from parflex.state import State, Wrench, pack, unpack
@@ -72,7 +73,7 @@ def simulate(
     run = integrate(law, loads, start, times, tolerances)
     u, w = control_history(law, loads, run)
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
-    return Result.of_run(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
+    return record(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
 
 def integrate(

@@ -19,7 +19,7 @@ NO_INERTIA = (
 def check_legs(robot: Robot, margins: Array) -> None:
     """Raise where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose).
 
-    margins (…, 2 legs) from `dynamics.leg_margins`.
+    margins (…, 2 legs) from `assembly.leg_margins`.
     """
     if np.all(margins > SINGULAR):
         return

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from scipy.optimize import root
 
-from parflex import dynamics
-from parflex.array import Array, join, transpose
+from parflex import assembly
+from parflex.array import Array, block_diagonal, join, transpose
 from parflex.errors import InputError, NotConverged
 from parflex.state import State, coordinates, pack
 
@@ -28,7 +28,7 @@ def equilibrium(model: "Model", pose: State) -> tuple[State, Array]:
 
     def bend(q_e: Array) -> tuple[Array, Array]:
         x = coordinates(pack(replace(pose, elastic=q_e), modes), modes)
-        system = dynamics.assemble(robot, x)
+        system = assembly.assemble(robot, x)
         f, forces = balance(model, system)
         load = system.W_e @ f + robot.platform.tables.S.T @ (x.rotation.T @ robot.gravity)
         return load / robot.platform.stiffness, forces
@@ -47,16 +47,16 @@ def equilibrium(model: "Model", pose: State) -> tuple[State, Array]:
     return state, bend(q_e)[1]
 
 
-def balance(model: "Model", system: dynamics.System) -> tuple[Array, Array]:
+def balance(model: "Model", system: assembly.System) -> tuple[Array, Array]:
     """Contact forces (3k,) and Γ (m,) of least norm that hold the robot still.
 
     Legs: Jᵀ f − S Γ = −c; platform: W_p f = c_r.
     """
     robot = model.robot
-    Jt = dynamics.diagonal([dynamics.block_diagonal(transpose(leg.J)) for leg in system.legs])
-    S = dynamics.diagonal(
+    Jt = assembly.diagonal([block_diagonal(transpose(leg.J)) for leg in system.legs])
+    S = assembly.diagonal(
         [
-            dynamics.block_diagonal(np.stack([dynamics.selection(leg.group)] * len(leg.group.legs)))
+            block_diagonal(np.stack([assembly.selection(leg.group)] * len(leg.group.legs)))
             for leg in system.legs
         ]
     )[:, robot.force_order]

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parflex import dynamics
+from parflex import assembly, dynamics
 from parflex.array import Array, cross, dot, join, mtv, mv, transpose
-from parflex.body import axial
+from parflex.platform import axial
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
 from parflex.state import coordinates, state_size
@@ -31,8 +31,8 @@ def direct(robot: Robot) -> Kernel:
     N, m, k = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = dynamics.assemble(robot, coordinates(x, N))
-        return (*dynamics.direct_of(robot, system, u, w), dynamics.leg_margins(system))
+        system = assembly.assemble(robot, coordinates(x, N))
+        return (*dynamics.direct_of(robot, system, u, w), assembly.leg_margins(system))
 
     return Kernel("direct", function, (state_size(N), m, 6 + N), (6, N, k, 2 * len(robot.legs)))
 
@@ -42,10 +42,10 @@ def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
     N, m, k = sizes(robot)
 
     def function(x: Array, target: Array, w: Array) -> tuple[Array, ...]:
-        system = dynamics.assemble(robot, coordinates(x, N))
+        system = assembly.assemble(robot, coordinates(x, N))
         found = dynamics.inverse_of(robot, system, target, w, output)
         gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
-        margins = dynamics.leg_margins(system)
+        margins = assembly.leg_margins(system)
         return (found.forces, *found.acceleration, gain, Jp_invT, margins)
 
     return Kernel(
@@ -61,7 +61,7 @@ def derivative(robot: Robot) -> Kernel:
     N, m, _ = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        return rate_of(robot, dynamics.assemble(robot, coordinates(x, N)), x, u, w)
+        return rate_of(robot, assembly.assemble(robot, coordinates(x, N)), x, u, w)
 
     return Kernel("derivative", function, (state_size(N), m, 6 + N), rate_sizes(robot))
 
@@ -86,7 +86,7 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
         )
         kp, kd = gains[..., :6], gains[..., 6:]
         target = acceleration + kd * (twist - now.twist) + kp * error
-        system = dynamics.assemble(robot, now)
+        system = assembly.assemble(robot, now)
         found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output)
         gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
         return (found.forces, gain, Jp_invT, *rate_of(robot, system, x, found.forces, w))
@@ -99,19 +99,19 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
     )
 
 
-def rate_of(robot: Robot, system: dynamics.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
+def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
     """ẋ, the powers of actuators, wrenches and damping (a loss), and the leg margins."""
     c = coordinates(x, robot.platform.modes)
     Vd, qdd_e, _ = dynamics.direct_of(robot, system, u, w)
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
     rate = Vd - join([cross(omega, v_p), np.zeros(3)])
     powers = [
-        dot(u, dynamics.joint_rates(robot, system)),
+        dot(u, assembly.joint_rates(robot, system)),
         dot(w[..., :6], c.twist) + dot(w[..., 6:], c.elastic_rate),
         dot(c.elastic_rate, robot.platform.damping * c.elastic_rate),
     ]
     moved = join([mv(c.rotation, v_p), quaternion_rate(x[..., 3:7], omega), rate, c.elastic_rate, qdd_e])
-    return moved, join([power[..., None] for power in powers]), dynamics.leg_margins(system)
+    return moved, join([power[..., None] for power in powers]), assembly.leg_margins(system)
 
 
 def rate_sizes(robot: Robot) -> tuple[int, int, int]:
@@ -124,8 +124,8 @@ def actuators(robot: Robot) -> Kernel:
     N, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = dynamics.assemble(robot, coordinates(x, N))
-        return dynamics.actuated_positions(robot, system), dynamics.joint_rates(robot, system)
+        system = assembly.assemble(robot, coordinates(x, N))
+        return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
 
     return Kernel("actuators", function, (state_size(N),), (m, m))
 

@@ -1,0 +1,235 @@
+"""From the rows of an integration to a labelled dataset: forces, geometry, energies, differences."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import xarray as xr
+
+import parflex
+from parflex.array import Array, mtv, mv
+from parflex.body import FlexibleBody
+from parflex.energy import energies
+from parflex.kinematics import position_in_world
+from parflex.result import FORMAT, Result
+from parflex.state import State, coordinates
+from parflex.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from parflex.model import Model
+    from parflex.simulation import Run
+
+Variables = dict[str, tuple[tuple[str, ...], Array, str, str]]  # dims, values, units, long name
+
+TWIST_UNITS = "m s-1, rad s-1"
+ACCELERATION_UNITS = "m s-2, rad s-2"
+
+
+def record(
+    model: "Model",
+    run: "Run",
+    u: Array,
+    w: Array,
+    trajectory: Trajectory | None,
+    settings: dict[str, Any],
+) -> Result:
+    """The dataset of an integrated run with its forces (T, m) and external loads (T, 6 + N)."""
+    robot, body = model.robot, model.robot.platform
+    found: Variables = {}
+    found |= motion_variables(run, body)
+    found |= dynamic_variables(model, run, u, w)
+    found |= geometry_variables(model, run)
+    found |= energy_variables(model, run)
+    if trajectory is not None:
+        found |= wanted_variables(run, trajectory, found["acceleration"][1])
+    attributes = {
+        "format": FORMAT,
+        "partial": int(bool(run.stopped)),
+        "stopped": run.stopped,
+        "parflex_version": parflex.__version__,
+        "backend": model.backend.version(),
+        "gravity": np.asarray(robot.gravity),
+        "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",
+        **settings,
+    }
+    return Result(dataset_of(found, run.t, body, attributes))
+
+
+def dataset_of(found: Variables, t: Array, body: FlexibleBody, attributes: dict[str, Any]) -> xr.Dataset:
+    """Variables with their dimensions labelled."""
+    coords: dict[str, Any] = {
+        "time": ("time", t, {"units": "s", "long_name": "time"}),
+        "axis": list("xyz"),
+        "component": ["x", "y", "z", "rx", "ry", "rz"],
+        "mode": np.arange(1, body.modes + 1),
+    }
+    variables = {
+        name: (dims, values, {"units": units, "long_name": words})
+        for name, (dims, values, units, words) in found.items()
+    }
+    dataset = xr.Dataset(variables, coords, attributes)
+    for dim in ("leg", "actuator", "attachment"):
+        if dim in dataset.sizes:
+            dataset = dataset.assign_coords({dim: np.arange(1, dataset.sizes[dim] + 1)})
+    return dataset
+
+
+def motion_variables(run: "Run", body: FlexibleBody) -> Variables:
+    """The state over time."""
+    c = coordinates(run.x, body.modes)
+    return {
+        "position": (("time", "axis"), c.position, "m", "position of the platform frame in the world"),
+        "rotation": (
+            ("time", "axis", "platform_axis"),
+            c.rotation,
+            "1",
+            "rotation matrix, platform axes to world axes",
+        ),
+        "twist": (
+            ("time", "component"),
+            c.twist,
+            TWIST_UNITS,
+            "velocity and angular velocity of the platform frame, in platform axes",
+        ),
+        "elastic": (("time", "mode"), c.elastic, "kg0.5 m", "elastic coordinates"),
+        "elastic_rate": (("time", "mode"), c.elastic_rate, "kg0.5 m s-1", "elastic rates"),
+    }
+
+
+def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variables:
+    """Forces, and the direct model at every output time."""
+    from parflex.compiled import kernels
+    from parflex.compiled.reference import NumpyFunction
+    from parflex.model import by_attachment
+
+    direct = NumpyFunction(kernels.direct(model.robot))  # for one batch, tracing would cost more
+    Vd, qdd_e, f, _ = direct(run.x, u, w)
+    return {
+        "forces": (("time", "actuator"), u, "N, N m", "actuator forces"),
+        "acceleration": (
+            ("time", "component"),
+            Vd,
+            ACCELERATION_UNITS,
+            "acceleration of the platform frame, resolved in platform axes",
+        ),
+        "elastic_acceleration": (("time", "mode"), qdd_e, "kg0.5 m s-2", "elastic accelerations"),
+        "contact_forces": (
+            ("time", "attachment", "axis"),
+            by_attachment(model.robot, f),
+            "N",
+            "forces of the legs on the platform, in platform axes",
+        ),
+    }
+
+
+def geometry_variables(model: "Model", run: "Run") -> Variables:
+    """Legs, deformation, and what a picture of the robot needs."""
+    robot, body = model.robot, model.robot.platform
+    c = coordinates(run.x, body.modes)
+    legs = model.legs(State(*c))
+    width = max((q.shape[-1] for q in legs.q), default=0)
+    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q]
+    joint = np.stack(padded, axis=1) if padded else np.zeros((len(run.t), 0, 0))
+    shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
+    bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
+    place = position_in_world(body.attachment_points + bent, c)
+    out: Variables = {
+        "joint": (("time", "leg", "joint_number"), joint, "m, rad", "joint positions"),
+        "leg_origin": (
+            ("leg", "axis"),
+            np.array([leg.origin for leg in robot.legs]).reshape(-1, 3),
+            "m",
+            "base point of the leg in the world",
+        ),
+        "leg_attachment": (
+            ("leg",),
+            np.array([leg.tips[0].attachment + 1 for leg in robot.legs], dtype=int),
+            "1",
+            "attachment that the leg's first tip holds",
+        ),
+        "attachment_position": (
+            ("time", "attachment", "axis"),
+            place,
+            "m",
+            "position of the attachment points in the world",
+        ),
+        "attachment_deformation": (
+            ("time", "attachment", "axis"),
+            bent,
+            "m",
+            "deformation at the attachment points, in platform axes",
+        ),
+        "platform_node": (("node", "axis"), body.nodes, "m", "nodes of the platform, in platform axes"),
+        "platform_shape": (
+            ("mode", "node", "axis"),
+            body.shapes,
+            "kg-0.5",
+            "displacement shapes at the nodes",
+        ),
+    }
+    if body.triangles is not None:
+        triangles = np.asarray(body.triangles, dtype=np.int64)
+        out["platform_triangle"] = (("triangle", "corner"), triangles, "1", "surface, node numbers from 0")
+    if body.origin_node is not None:
+        node = body.origin_node
+        rotations = np.zeros_like(body.shapes) if body.rotation_shapes is None else body.rotation_shapes
+        both = np.concatenate([body.shapes[:, node], rotations[:, node]], axis=-1)
+        out["origin_deformation"] = (
+            ("time", "component"),
+            c.elastic @ both,
+            "m, rad",
+            "deformation at the platform's origin, in platform axes",
+        )
+    return out
+
+
+def energy_variables(model: "Model", run: "Run") -> Variables:
+    """The ledger: energies, works, and the residual of their balance."""
+    kinetic, gravity, strain = energies(model.robot, coordinates(run.x, model.robot.platform.modes))
+    actuators, wrenches, dissipated = run.works.T
+    stored = kinetic + gravity + strain
+    residual = stored - stored[0] + dissipated - actuators - wrenches
+    named = {
+        "kinetic": (kinetic, "kinetic energy, rotors included"),
+        "gravity": (gravity, "potential energy of weight, zero at the world's origin"),
+        "strain": (strain, "strain energy of the platform"),
+        "dissipated": (dissipated, "energy dissipated by damping"),
+        "actuators": (actuators, "work of the actuators"),
+        "wrenches": (wrenches, "work of the external wrenches"),
+        "residual": (residual, "residual of the energy balance"),
+    }
+    return {f"energy_{name}": (("time",), value, "J", words) for name, (value, words) in named.items()}
+
+
+def wanted_variables(run: "Run", trajectory: Trajectory, acceleration: Array) -> Variables:
+    """The trajectory that was to be followed, and the differences from it."""
+    from scipy.spatial.transform import Rotation
+
+    wanted, now = trajectory.sample(run.t), coordinates(run.x, 0)
+    R_pd = np.swapaxes(now.rotation, -1, -2) @ wanted.rotation
+    turned = np.concatenate(
+        [mv(R_pd, wanted.acceleration[:, :3]), mv(R_pd, wanted.acceleration[:, 3:])], axis=-1
+    )
+    place = mtv(now.rotation, wanted.position - now.position)
+    attitude = Rotation.from_matrix(R_pd).as_rotvec()
+    return {
+        "desired_position": (("time", "axis"), wanted.position, "m", "desired position"),
+        "desired_rotation": (("time", "axis", "platform_axis"), wanted.rotation, "1", "desired rotation"),
+        "desired_acceleration": (
+            ("time", "component"),
+            turned,
+            ACCELERATION_UNITS,
+            "desired acceleration of the platform frame, in platform axes",
+        ),
+        "acceleration_error": (
+            ("time", "component"),
+            turned - acceleration,
+            ACCELERATION_UNITS,
+            "desired minus calculated acceleration, in platform axes",
+        ),
+        "pose_error": (
+            ("time", "component"),
+            np.concatenate([place, attitude], axis=-1),
+            "m, rad",
+            "desired minus actual pose, in platform axes",
+        ),
+    }
