@@ -39,6 +39,11 @@ def join(parts: Sequence[Array]) -> Array:
     return np.concatenate([np.broadcast_to(p, batch + p.shape[-1:]) for p in parts], axis=-1)
 
 
+def merged(a: Array) -> Array:
+    """The last two axes (…, r, c) as one (…, r c)."""
+    return a.reshape(a.shape[:-2] + (a.shape[-2] * a.shape[-1],))
+
+
 def block_diagonal(blocks: Array) -> Array:
     """(…, L, a, b) blocks on the diagonal of a matrix (…, L a, L b)."""
     count, a, b = blocks.shape[-3:]

@@ -9,6 +9,7 @@ from parflex.array import (
     Array,
     block_diagonal,
     join,
+    merged,
     mtv,
     mv,
     solve_definite,
@@ -122,7 +123,7 @@ def leg_margins(system: System) -> Array:
 def joint_rates(robot: Robot, system: System) -> Array:
     """q̇_a (…, m) of the actuated joints, in the order of Γ."""
     parts = [leg.qd[..., list(leg.group.actuated)] for leg in system.legs]
-    flat = [part.reshape(part.shape[:-2] + (-1,)) for part in parts]
+    flat = [merged(part) for part in parts]
     return join([np.zeros(0), *flat])[..., robot.force_order]
 
 
@@ -132,7 +133,7 @@ def actuated_positions(robot: Robot, system: System) -> Array:
     for leg in system.legs:
         q = [joint_position(leg, j) for j in leg.group.actuated]
         by_leg = stack(q)
-        parts.append(by_leg.reshape(by_leg.shape[:-2] + (-1,)))
+        parts.append(merged(by_leg))
     return join([np.zeros(0), *parts])[..., robot.force_order]
 
 

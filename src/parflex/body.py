@@ -18,7 +18,7 @@ from parflex.array import (
 from parflex.chain import outer
 from parflex.check import exactly, finite, positive
 from parflex.errors import InputError
-from parflex.modes import Modes, Moments
+from parflex.modes import Modes, Moments, shifted
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +246,10 @@ def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:
 
 def attachment_nodes(nodes: Array, wanted: Sequence[int] | ArrayLike) -> tuple[int, ...]:
     """Node numbers of attachments given as numbers or as points (k, 3)."""
-    array = np.asarray(wanted)
+    try:
+        array = np.asarray(wanted)
+    except ValueError:
+        raise InputError("attachments is ragged; give node numbers, or points (k, 3)") from None
     if array.ndim == 1 and (array.dtype.kind in "iu" or array.size == 0):
         return tuple(int(i) for i in array)
     points = exactly("attachments", array, (None, 3))
@@ -262,16 +265,3 @@ def attachment_nodes(nodes: Array, wanted: Sequence[int] | ArrayLike) -> tuple[i
             )
         found.append(nearest)
     return tuple(found)
-
-
-def shifted(old: Moments, o: Array) -> Moments:
-    """The integrals about the point o: r becomes r − o."""
-    cross_term = outer(old.MS0, o)
-    return Moments(
-        m=old.m,
-        MS0=old.MS0 - old.m * o,
-        P0=old.P0 - cross_term - cross_term.T + old.m * outer(o, o),
-        S=old.S,
-        P1=old.P1 - outer(old.S.T, o),
-        P2=old.P2,
-    )

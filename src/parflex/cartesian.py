@@ -13,6 +13,7 @@ from parflex.array import (
     Array,
     block_diagonal,
     join,
+    merged,
     mtv,
     mv,
     solve_definite,
@@ -89,7 +90,7 @@ def legs_at_tips(system: System) -> tuple[Array, Array]:
         A_x = transpose(J_inv) @ leg.A @ J_inv  # Eq. 36
         c_x = mtv(J_inv, leg.c) - mv(A_x, leg.Jdqd)  # Eq. 37
         inertia.append(block_diagonal(A_x))
-        bias.append(c_x.reshape(c_x.shape[:-2] + (-1,)))
+        bias.append(merged(c_x))
     return diagonal(inertia), join([np.zeros(0), *bias])
 
 

@@ -22,9 +22,33 @@ def positive(name: str, value: Any) -> float:
     return number
 
 
+def integer(name: str, value: Any, lowest: int = 0) -> int:
+    """One whole number, not below `lowest`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+        raise InputError(f"{name} is {value!r}; it must be a whole number, {lowest} or more")
+    return int(value)
+
+
+def of_type(name: str, value: Any, kind: type, article: str = "a") -> None:
+    """An object of parflex's own."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} is {type(value).__name__}; expected {article} {kind.__name__}")
+
+
+def all_of_type(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    """A sequence of parflex's own objects, as a tuple."""
+    if isinstance(values, kind) or not isinstance(values, (list, tuple)):
+        raise InputError(f"{name} is {type(values).__name__}; give a list or tuple of {kind.__name__}")
+    for number, value in enumerate(values):
+        of_type(f"{name}[{number}]", value, kind)
+    return tuple(values)
+
+
 def finite(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
     """A float array whose trailing axes have `shape` (None: any length); exact shape for ()."""
     try:
+        if np.iscomplexobj(value):
+            raise TypeError("complex values")
         array = np.array(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is not an array of numbers: {error}") from None

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from parflex import singular
 from parflex.array import Array, Given
-from parflex.check import finite
+from parflex.check import finite, of_type
 from parflex.errors import InputError
 from parflex.output import FrameOutput
 from parflex.state import State, pack, unpack
@@ -85,6 +85,7 @@ class ComputedTorque(Controller):
             if gain.shape not in ((), (6,)) or np.any(gain < 0):
                 raise InputError(f"ComputedTorque.{name} is {gain}; give one value ≥ 0, or six")
             object.__setattr__(self, name, gain)
+        of_type("ComputedTorque.trajectory", self.trajectory, Trajectory)
         actuators, rows = self.model.robot.n_forces, FrameOutput().size
         if actuators < rows:
             raise InputError(
@@ -150,6 +151,9 @@ class JointPD(Controller):
 
     def __post_init__(self) -> None:
         m = self.model.robot.n_forces
+        of_type("JointPD.reference", self.reference, State)
+        if self.reference.batch:
+            raise InputError(f"JointPD.reference is a batch {self.reference.batch}; give one state")
         for name in ("kp", "kd", "forces"):
             value = finite(f"JointPD.{name}", getattr(self, name))
             if value.shape not in ((), (m,)):

@@ -18,6 +18,7 @@ from parflex.array import (
     Array,
     block_diagonal,
     join,
+    merged,
     mtv,
     mv,
     solve_definite,
@@ -140,7 +141,7 @@ def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
         compliance.append(block_diagonal(solved[..., :contacts]))
         driven.append(block_diagonal(solved[..., contacts:-1]))
         by_tip = leg.Jdqd - solved[..., -1]
-        drift.append(by_tip.reshape(by_tip.shape[:-2] + (-1,)))
+        drift.append(merged(by_tip))
     JAS = diagonal(driven)[..., robot.force_order]
     empty = np.zeros(0)
     return Contact(

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, block, cross, join, mtv, mv, skew, transpose
+from parflex.array import Array, block, cross, join, merged, mtv, mv, skew, transpose
 from parflex.body import FlexibleBody
 from parflex.state import Coordinates
 
@@ -54,7 +54,7 @@ def wrench_map(r: Array, shapes: Array) -> tuple[Array, Array]:
 
 def stacked(vectors: Array) -> Array:
     """(…, k, 3) as (…, 3k)."""
-    return vectors.reshape(vectors.shape[:-2] + (3 * vectors.shape[-2],))  # Eq. 25
+    return merged(vectors)  # Eq. 25
 
 
 def generalised_force(W_p: Array, W_e: Array, forces: Array) -> tuple[Array, Array]:

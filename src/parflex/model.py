@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from parflex import assembly, cartesian, singular
 from parflex.array import Array
 from parflex.cartesian import Cartesian
-from parflex.check import finite
+from parflex.check import finite, of_type
 from parflex.compiled import choose, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
@@ -97,6 +97,7 @@ class Model:
         than outputs, OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic.
         """
         output = FrameOutput() if output is None else output
+        of_type("output", output, FrameOutput)
         x = self._pack(state)
         wanted = finite("target", target, (output.size,))
         if self.robot.n_forces < output.size:
@@ -139,7 +140,9 @@ class Model:
         """
         from parflex.statics import equilibrium
 
-        return equilibrium(self, State(position, rotation))
+        pose = State(position, rotation)
+        self._coordinates(pose)  # every leg reaches it
+        return equilibrium(self, pose)
 
     def compiled(self) -> Compiled:
         """The models on flat arrays, without allocation; one per thread."""

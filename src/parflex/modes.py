@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import numpy as np
+
 from parflex.array import Array
 
 
@@ -41,3 +43,16 @@ class Modes:
     corners: tuple[int, ...]
     source: str
     notes: tuple[str, ...] = ()
+
+
+def shifted(old: Moments, o: Array) -> Moments:
+    """The integrals about the point o: r becomes r − o."""
+    cross_term = np.outer(old.MS0, o)
+    return Moments(
+        m=old.m,
+        MS0=old.MS0 - old.m * o,
+        P0=old.P0 - cross_term - cross_term.T + old.m * np.outer(o, o),
+        S=old.S,
+        P1=old.P1 - old.S.T[:, :, None] * o,
+        P2=old.P2,
+    )

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parflex.array import Array
+from parflex.check import integer
 from parflex.errors import InputError
 
 
@@ -18,7 +19,8 @@ class FrameOutput:
     rows: tuple[int, ...] = (0, 1, 2, 3, 4, 5)
 
     def __post_init__(self) -> None:
-        rows = tuple(int(row) for row in self.rows)
+        rows = self.rows if isinstance(self.rows, (tuple, list, range)) else ()
+        rows = tuple(integer("FrameOutput.rows", row) for row in rows)
         if not rows or len(set(rows)) < len(rows) or not set(rows) <= set(range(6)):
             raise InputError(f"FrameOutput.rows is {self.rows}; name some of 0 … 5, each once")
         object.__setattr__(self, "rows", rows)

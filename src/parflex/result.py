@@ -70,7 +70,8 @@ def load_result(path: str | os.PathLike[str]) -> Result:
     except FileNotFoundError:
         raise InputError(f"{path}: there is no such file") from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
-        raise InputError(f"{path} is damaged or no NetCDF-4 file: {error}") from None
+        reason = str(error).split(" (")[0].splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{path} is damaged or no NetCDF-4 file: {reason}") from None
     if dataset.attrs.get("format") != FORMAT:
         raise InputError(
             f"{path} is no result of this version of parflex (format "

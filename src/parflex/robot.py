@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array, Given
 from parflex.body import FlexibleBody
 from parflex.chain import Chain
-from parflex.check import exactly
+from parflex.check import all_of_type, exactly, of_type
 from parflex.errors import InputError
 from parflex.legs import ALL_LEG_TYPES, Leg, LegType
 from parflex.state import State
@@ -47,8 +47,11 @@ class Robot:
     home_pose: tuple[ArrayLike, ArrayLike] = ((0.0, 0.0, 0.0), np.eye(3))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "legs", tuple(self.legs))
+        object.__setattr__(self, "legs", all_of_type("Robot.legs", self.legs, Leg))
+        of_type("Robot.platform", self.platform, FlexibleBody)
         object.__setattr__(self, "gravity", exactly("Robot.gravity", self.gravity, (3,)))
+        if State(*self.home_pose).batch:
+            raise InputError("Robot.home_pose is a batch; give one position (3,) and rotation (3, 3)")
         held: dict[int, int] = {}
         count = len(self.platform.attachments)
         for number, leg in enumerate(self.legs):

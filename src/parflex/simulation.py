@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from scipy.integrate import DOP853
 
 from parflex.array import Array
-from parflex.check import exactly, positive
+from parflex.check import all_of_type, exactly, positive
 from parflex.control import Controller, Law, as_law
 from parflex.errors import InputError
 from parflex.progress import Progress
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from parflex.model import Model
 
 Loads = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
+SMALLEST_RTOL = 100 * np.finfo(float).eps
 SMALLEST = 1e-11  # step against the whole run: it would take days
 WORKS = 3  # actuators, external wrenches, damping: integrated beside the state
 
@@ -62,7 +63,9 @@ def simulate(
     times = exactly("t", t, (None,))
     if len(times) < 2 or np.any(np.diff(times) <= 0):
         raise InputError("t must hold at least two times, each later than the one before")
-    positive("rtol", rtol), positive("atol", atol)
+    positive("atol", atol)
+    if positive("rtol", rtol) < SMALLEST_RTOL:
+        raise InputError(f"rtol is {rtol}; below {SMALLEST_RTOL} round-off prevails")
     start = pack(state, model.robot.platform.modes)
     if start.ndim != 1:
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
@@ -71,7 +74,7 @@ def simulate(
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
     run = integrate(law, loads, start, times, tolerances)
-    u, w = control_history(law, loads, run)
+    u, w = at_output_times(run, law), at_output_times(run, loads)
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
     return record(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
@@ -147,23 +150,29 @@ class RightHandSide:
 def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Array]:
     """External generalised forces (6 + N,) as a function of time and flat state."""
     body = model.robot.platform
-    given = wrenches if callable(wrenches) else lambda t: wrenches
-    if not callable(wrenches) and not wrenches:
+    if not callable(wrenches) and len(all_of_type("wrenches", wrenches, Wrench)) == 0:
         none = np.zeros(6 + body.modes)
         return lambda t, x: none
-    return lambda t, x: generalised_force(body, unpack(x, body.modes), given(t))
+
+    def loads(t: float, x: Array) -> Array:
+        given = wrenches(t) if callable(wrenches) else wrenches
+        w = generalised_force(body, unpack(x, body.modes), given)
+        if w.ndim != 1:
+            raise InputError(f"wrenches are a batch {w.shape[:-1]}; a simulation takes single ones")
+        return w
+
+    return loads
 
 
-def control_history(law: Law, loads: Callable[[float, Array], Array], run: Run) -> tuple[Array, Array]:
-    """Forces (T, m) and external generalised forces (T, 6 + N) at the output times.
+def at_output_times(run: Run, function: Callable[[float, Array], Array]) -> Array:
+    """Rows of a law or load at the output times.
 
-    Where a run stopped because the law failed, so may its last rows: they are not numbers.
+    Where a run stopped because the function failed, so may its last rows: they are not numbers.
     """
-    w = np.array([loads(t, x) for t, x in zip(run.t, run.x, strict=True)])
-    u = []
+    rows: list[Array] = []
     for t, x in zip(run.t, run.x, strict=True):
         try:
-            u.append(np.array(law(t, x)))
-        except InputError:
-            u.append(np.full(np.shape(u[0]), np.nan))
-    return np.array(u), w
+            rows.append(np.array(function(t, x)))
+        except Exception:  # a caller's function may raise anything, and the run is worth keeping
+            rows.append(np.full(np.shape(rows[0]), np.nan))
+    return np.array(rows)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.array import Array, Given
-from parflex.check import finite, rotation_matrix
+from parflex.check import finite, integer, of_type, rotation_matrix
 from parflex.errors import InputError
 from parflex.spatial import rotation_from_quaternion
 
@@ -41,8 +41,8 @@ class State:
     def __getitem__(self, index: Any) -> "State":
         """States of a batch, chosen along its leading axes."""
         batch = self.batch
-        parts = [
-            np.broadcast_to(value, batch + np.shape(value)[np.ndim(value) - core :])[index]
+        parts: list[Any] = [
+            value if np.ndim(value) == 0 else np.broadcast_to(value, batch + np.shape(value)[-core:])[index]
             for value, core in zip(self._arrays(), (1, 2, 1, 1, 1), strict=True)
         ]
         return State(*parts)
@@ -91,6 +91,7 @@ class Wrench:
     def __post_init__(self) -> None:
         object.__setattr__(self, "force", finite("Wrench.force", self.force, (3,)))
         object.__setattr__(self, "moment", finite("Wrench.moment", self.moment, (3,)))
+        object.__setattr__(self, "node", integer("Wrench.node", self.node))
         if self.frame not in ("world", "platform"):
             raise InputError(f'Wrench.frame is {self.frame!r}; choose "world" or "platform"')
 
@@ -115,6 +116,7 @@ def pack(state: State, modes: int) -> Array:
     """The flat state (…, 13 + 2N) of a checked state."""
     from scipy.spatial.transform import Rotation
 
+    of_type("state", state, State)
     batch = state.batch
     rotation = np.asarray(state.rotation)
     quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
@@ -130,7 +132,10 @@ def pack(state: State, modes: int) -> Array:
 
 def unpack(x: Array, modes: int) -> State:
     """The state of a flat vector (…, 13 + 2N)."""
-    return State(*coordinates(np.asarray(x, dtype=float), modes))
+    flat = finite("x", x, (state_size(modes),))
+    if np.any(np.sum(flat[..., 3:7] ** 2, axis=-1) == 0):
+        raise InputError("x holds a quaternion of length zero at 3 … 6; it must be a rotation (w, x, y, z)")
+    return State(*coordinates(flat, modes))
 
 
 def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:

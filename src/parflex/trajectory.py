@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from parflex.array import Array, Given, skew
-from parflex.check import exactly, finite, rotation_matrix
+from parflex.check import exactly, finite, rotation_matrix, scalar
 from parflex.errors import InputError
 from parflex.state import State
 
@@ -72,7 +72,7 @@ class Trajectory:
     @staticmethod
     def through(
         start: State,
-        moves: Sequence[tuple[ArrayLike, ArrayLike]],
+        moves: Sequence[ArrayLike],
         duration: float,
         rest: tuple[float, float] = (0.5, 0.5),
     ) -> "Trajectory":
@@ -82,11 +82,11 @@ class Trajectory:
         world axes; each leg of the journey takes `duration` seconds.
         """
         p, R = np.asarray(start.position), Rotation.from_matrix(np.asarray(start.rotation))
-        steps = [finite("moves", np.array(move, dtype=float), (2, 3)) for move in moves]
+        steps = [exactly(f"moves[{i}]", move, (2, 3)) for i, move in enumerate(moves)]
         positions = [p, *(p + step[0] for step in steps), p]
         rotations = [R, *(Rotation.from_rotvec(step[1]) * R for step in steps), R]
         matrices = np.stack([rotation.as_matrix() for rotation in rotations])
-        return Trajectory(positions, matrices, np.full(len(steps) + 1, float(duration)), rest)
+        return Trajectory(positions, matrices, np.full(len(steps) + 1, scalar("duration", duration)), rest)
 
     @property
     def duration(self) -> float:

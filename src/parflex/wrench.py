@@ -6,6 +6,7 @@ import numpy as np
 
 from parflex.array import Array, mtv, mv
 from parflex.body import FlexibleBody
+from parflex.check import all_of_type, of_type
 from parflex.errors import InputError
 from parflex.kinematics import node_wrench_map
 from parflex.state import State, Wrench, elastic_vector
@@ -16,9 +17,11 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
 
     Raises InputError for an unknown node, and for a moment on a body without rotation shapes.
     """
+    of_type("state", state, State)
     total = np.zeros(6 + body.modes)
     q_e = elastic_vector("elastic", state.elastic, body.modes)
-    for number, wrench in enumerate(wrenches):
+    for number, wrench in enumerate(all_of_type("wrenches", wrenches, Wrench)):
+        check_axes(state, wrench, number)
         if not 0 <= wrench.node < len(body.nodes):
             raise InputError(
                 f"wrenches[{number}].node is {wrench.node}; the platform has nodes 0 … {len(body.nodes) - 1}"
@@ -36,3 +39,15 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
         both = [np.broadcast_to(part, batch + (3,)) for part in (force, moment)]
         total = total + mv(node_wrench_map(body, wrench.node, q_e), np.concatenate(both, axis=-1))
     return total
+
+
+def check_axes(state: State, wrench: Wrench, number: int) -> None:
+    """The leading axes of a wrench must broadcast with those of the state."""
+    shapes = state.batch, np.shape(wrench.force)[:-1], np.shape(wrench.moment)[:-1]
+    try:
+        np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise InputError(
+            f"wrenches[{number}]: the leading (batch) axes of state, force and moment are {shapes[0]}, "
+            f"{shapes[1]} and {shapes[2]}; they must broadcast together"
+        ) from None

@@ -74,6 +74,11 @@ class Compiled:
     def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
         check("target", target, 6)
+        if self.force_size < 6:
+            raise InputError(
+                f"the flat inverse model prescribes 6 accelerations, but the robot has {self.force_size} "
+                f"actuators; use model.inverse with FrameOutput(rows=…)"
+            )
         forces, qdd_e, f = self._split(out, self.force_size)
         function = self.model.function("inverse", FrameOutput())
         return function.bind([x, target, None], [forces, None, qdd_e, f, None, None, None])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from parflex import assembly, dynamics
-from parflex.array import Array, cross, dot, join, mtv, mv, transpose
+from parflex.array import Array, cross, dot, join, merged, mtv, mv, transpose
 from parflex.platform import axial
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
@@ -44,7 +44,7 @@ def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
     def function(x: Array, target: Array, w: Array) -> tuple[Array, ...]:
         system = assembly.assemble(robot, coordinates(x, N))
         found = dynamics.inverse_of(robot, system, target, w, output)
-        gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
+        gain, Jp_invT = (merged(a) for a in (found.gain, found.Jp_invT))
         margins = assembly.leg_margins(system)
         return (found.forces, *found.acceleration, gain, Jp_invT, margins)
 
@@ -88,7 +88,7 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
         target = acceleration + kd * (twist - now.twist) + kp * error
         system = assembly.assemble(robot, now)
         found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output)
-        gain, Jp_invT = (a.reshape(a.shape[:-2] + (-1,)) for a in (found.gain, found.Jp_invT))
+        gain, Jp_invT = (merged(a) for a in (found.gain, found.Jp_invT))
         return (found.forces, gain, Jp_invT, *rate_of(robot, system, x, found.forces, w))
 
     return Kernel(

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from parflex.array import Array
-from parflex.compiled.backend import Backend, Function, Trigger
+from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
 from parflex.compiled.kernels import Kernel
 
 
@@ -16,11 +16,11 @@ class NumpyFunction(Function):
         self.kernel = kernel
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
-        batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
+        batch, rows = flat_batch(self.kernel, inputs)
         with np.errstate(divide="ignore", invalid="ignore"):  # a bad pose shows in the leg margins
-            found = self.kernel.function(*inputs)
+            found = self.kernel.function(*rows)
         return tuple(
-            np.array(np.broadcast_to(a, batch + (n,)), dtype=float)
+            np.array(np.broadcast_to(a, rows[0].shape[:1] + (n,)), dtype=float).reshape(batch + (n,))
             for a, n in zip(found, self.kernel.outputs, strict=True)
         )
 

@@ -14,10 +14,10 @@ from scipy.sparse.linalg import eigsh
 from skfem.helpers import dd, ddot, dot, grad, trace
 
 from parflex.array import Array
-from parflex.check import exactly, positive, scalar
+from parflex.check import exactly, integer, positive, scalar
 from parflex.errors import InputError
 from parflex.fe.canonical import canonical, cut_pair
-from parflex.modes import Modes, Moments
+from parflex.modes import Modes, Moments, shifted
 
 DEFAULT_REFINE = 2
 SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
@@ -65,14 +65,19 @@ def plate_modes(
     """
     corners = convex_polygon(polygon)
     section = plate_section(thickness, young, poisson, density)
-    if n_modes < 0:
-        raise InputError(f"n_modes is {n_modes}; it must be 0 (a rigid plate) or more")
+    integer("n_modes", n_modes)
     if refine is None:
         refine = next(r for r in range(DEFAULT_REFINE, 9) if unknowns(len(corners), r) > 12 * n_modes)
-    elif refine < 1:
-        raise InputError(f"refine is {refine}; it must be at least 1")
-    fine = solve_plate(corners, section, n_modes, refine)
-    coarse = solve_plate(corners, section, n_modes, refine - 1)
+    else:
+        integer("refine", refine, 1)
+    if n_modes + 6 > unknowns(len(corners), refine):
+        raise InputError(
+            f"n_modes is {n_modes}, more than {unknowns(len(corners), refine)} unknowns can carry; "
+            f"raise refine above {refine}"
+        )
+    middle = centroid(corners)  # the element's polynomials are ill-conditioned far from their origin
+    fine = solve_plate(corners - middle, section, n_modes, refine)
+    coarse = solve_plate(corners - middle, section, n_modes, refine - 1)
     notes = cut_pair(fine.frequencies, n_modes)
     for note in notes:
         warnings.warn(note, stacklevel=2)
@@ -81,7 +86,14 @@ def plate_modes(
     error = np.full(n_modes, np.nan)
     error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
     modes = tabulate(kept, section, len(corners), refine)
-    return replace(modes, frequency_error=error, notes=notes)
+    place = np.append(middle, 0.0)
+    return replace(
+        modes,
+        nodes=modes.nodes + place,
+        moments=shifted(modes.moments, -place),
+        frequency_error=error,
+        notes=notes,
+    )
 
 
 def convex_polygon(polygon: ArrayLike) -> Array:
@@ -129,12 +141,17 @@ def unknowns(corners: int, refine: int) -> int:
 def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
     """Triangles from the centroid (node 0) to the edges, each refined into four `refine` times."""
     n = len(corners)
-    x, y = corners.T
-    weights = x * np.roll(y, -1) - y * np.roll(x, -1)
-    centroid = (weights @ (corners + np.roll(corners, -1, axis=0))) / (3 * np.sum(weights))
-    points = np.vstack([centroid, corners]).T
+    points = np.vstack([centroid(corners), corners]).T
     i = np.arange(n)
     return skfem.MeshTri(points, np.stack([0 * i, 1 + i, 1 + (i + 1) % n])).refined(refine)
+
+
+def centroid(corners: Array) -> Array:
+    """The centre (2,) of a polygon's area."""
+    near = corners - corners[0]
+    x, y = near.T
+    weights = x * np.roll(y, -1) - y * np.roll(x, -1)
+    return corners[0] + (weights @ (near + np.roll(near, -1, axis=0))) / (3 * np.sum(weights))
 
 
 def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> PlateSolution:

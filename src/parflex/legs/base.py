@@ -7,7 +7,7 @@ import numpy as np
 
 from parflex.array import Array, Given
 from parflex.chain import Chain, Frames, Joints
-from parflex.check import finite, rotation_matrix, scalar
+from parflex.check import all_of_type, exactly, integer, rotation_matrix, scalar
 from parflex.errors import InputError
 
 
@@ -39,16 +39,17 @@ class Joint:
     IA: float = 0.0
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "antecedent", integer("Joint.antecedent", self.antecedent))
         for name in ("sigma", "mu"):
-            if getattr(self, name) not in (0, 1):
+            if integer(f"Joint.{name}", getattr(self, name)) > 1:
                 raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
         for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA"):
             object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
         for name in ("M", "IA"):
             if getattr(self, name) < 0:
                 raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
-        object.__setattr__(self, "MS", finite("Joint.MS", self.MS, (3,)))
-        inertia = finite("Joint.I", self.I, (3, 3))
+        object.__setattr__(self, "MS", exactly("Joint.MS", self.MS, (3,)))
+        inertia = exactly("Joint.I", self.I, (3, 3))
         if not np.allclose(inertia, inertia.T, rtol=0, atol=1e-12 * np.abs(inertia).max()):
             raise InputError("Joint.I is not symmetric; give products of inertia as matrix entries")
         object.__setattr__(self, "I", inertia)
@@ -64,9 +65,9 @@ class Tip:
     attachment: int = 0
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "offset", finite("Tip.offset", self.offset, (3,)))
-        if self.attachment < 0:
-            raise InputError(f"Tip.attachment is {self.attachment}; attachments count from 0")
+        object.__setattr__(self, "offset", exactly("Tip.offset", self.offset, (3,)))
+        object.__setattr__(self, "frame", integer("Tip.frame", self.frame, 1))
+        object.__setattr__(self, "attachment", integer("Tip.attachment", self.attachment))
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,10 +83,11 @@ class Leg:
     tips: tuple[Tip, ...]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "rotation", rotation_matrix("Leg.rotation", self.rotation))
-        object.__setattr__(self, "origin", finite("Leg.origin", self.origin, (3,)))
-        object.__setattr__(self, "joints", tuple(self.joints))
-        object.__setattr__(self, "tips", tuple(self.tips))
+        rotation = exactly("Leg.rotation", self.rotation, (3, 3))
+        object.__setattr__(self, "rotation", rotation_matrix("Leg.rotation", rotation))
+        object.__setattr__(self, "origin", exactly("Leg.origin", self.origin, (3,)))
+        object.__setattr__(self, "joints", all_of_type("Leg.joints", self.joints, Joint))
+        object.__setattr__(self, "tips", all_of_type("Leg.tips", self.tips, Tip))
         for number, joint in enumerate(self.joints, start=1):
             if not 0 <= joint.antecedent < number:
                 raise InputError(

@@ -7,6 +7,7 @@ import numpy as np
 
 from parflex.array import Array
 from parflex.body import FlexibleBody
+from parflex.check import integer
 from parflex.errors import InputError
 from parflex.legs import Joint, Leg, Tip
 from parflex.modes import Modes
@@ -110,8 +111,7 @@ def plate(modes: int, frequencies: str = "converged") -> Modes:
 
     if frequencies not in ("converged", "published"):
         raise InputError(f'frequencies is {frequencies!r}; choose "converged" or "published"')
-    if modes < 0:
-        raise InputError(f"modes is {modes}; it must be 0 (rigid) or more")
+    integer("modes", modes)
     if frequencies == "published" and modes > len(TABLE_2):
         raise InputError(
             f'modes is {modes}, but frequencies="published" has the {len(TABLE_2)} of Table 2; '
