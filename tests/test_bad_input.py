@@ -36,6 +36,10 @@ def leg(**changes):
     return pf.Leg(good.rotation, good.origin, joints, good.tips)
 
 
+def plate_of_one_mode():
+    return pf.fe.plate_modes(corners(), n_modes=1, refine=1, **PLATE)
+
+
 CASES = {
     "position of two": (lambda: pf.State((0, 0), UPRIGHT), r"State.position has shape \(2,\)"),
     "nan position": (lambda: pf.State((0, NAN, 0), UPRIGHT), r"State.position is nan at index \(1,\)"),
@@ -121,6 +125,29 @@ CASES = {
     ),
     "output of seven": (lambda: pf.FrameOutput((0, 6)), "FrameOutput.rows"),
     "frame of nowhere": (lambda: pf.Wrench(0, frame="moon"), "Wrench.frame is 'moon'"),
+    "half a mode": (lambda: pf.robots.gough_stewart(2.5), "modes is 2.5; it must be a whole number"),
+    "text for a joint number": (lambda: leg(antecedent="1"), "Joint.antecedent is '1'"),
+    "a joint, not a list": (
+        lambda: pf.Leg(UPRIGHT, (0, 0, 0), leg().joints[0], leg().tips),
+        "Leg.joints is Joint",
+    ),
+    "a leg, not a list": (lambda: pf.Robot(leg(), nodes()), "Robot.legs is Leg; give a list"),
+    "a name for a platform": (lambda: pf.Robot((), "plate"), "Robot.platform is str; expected"),
+    "complex position": (lambda: pf.State((1j, 0, 0), UPRIGHT), "complex values"),
+    "half a node": (lambda: pf.Wrench(0.5), "Wrench.node is 0.5"),
+    "no nodes": (lambda: nodes(positions=np.zeros((0, 3))), "positions is empty"),
+    "ragged attachments": (
+        lambda: pf.FlexibleBody.from_modes(plate_of_one_mode(), attachments=[(0, 0, 0), (1, 0)]),
+        "attachments is ragged",
+    ),
+    "point off the body": (
+        lambda: pf.FlexibleBody.from_modes(plate_of_one_mode(), attachments=[(9, 9, 9)]),
+        "is on no node; the nearest",
+    ),
+    "more modes than unknowns": (
+        lambda: pf.fe.plate_modes(corners(), n_modes=200, refine=1, **PLATE),
+        "n_modes is 200, more than 156 unknowns can carry",
+    ),
     "trajectory of one pose": (lambda: pf.Trajectory([HOME], [UPRIGHT], []), "n at least 2"),
     "negative duration": (
         lambda: pf.Trajectory([HOME, HOME], [UPRIGHT] * 2, [-1.0]),
@@ -157,6 +184,28 @@ def test_wrong_sizes_are_named(model):
         model.direct(pf.State(np.tile(HOME, (3, 1)), UPRIGHT), np.zeros((4, 6)))
     with pytest.raises(pf.InputError, match=r"wrenches\[0\].node is 99"):
         model.direct(home, np.zeros(6), [pf.Wrench(99, (1, 0, 0))])
+    with pytest.raises(pf.InputError, match="wrenches is Wrench; give a list"):
+        model.direct(home, np.zeros(6), pf.Wrench(0))
+    with pytest.raises(pf.InputError, match="axes of the wrenches' forces and moments"):
+        model.direct(home, np.zeros(6), [pf.Wrench(0, np.zeros((4, 3))), pf.Wrench(0, np.zeros((5, 3)))])
+    with pytest.raises(pf.InputError, match="state is tuple; expected a State"):
+        model.direct((0, 0, 1), np.zeros(6))
+
+
+def test_batches_of_every_part_broadcast(model):
+    """States, forces and wrenches each bring leading axes; a batch may be empty."""
+    home, forces = model.robot.home, np.linspace(0, 1, 18).reshape(3, 1, 6)
+    push = pf.Wrench(0, np.arange(12.0).reshape(4, 3))
+    found = model.direct(home, forces, [push])
+    assert found.platform.shape == (3, 4, 6)
+    one = model.direct(home, forces[2, 0], [pf.Wrench(0, push.force[3])])
+    assert np.allclose(found.platform[2, 3], one.platform, atol=1e-12)
+    empty = model.direct(pf.State(np.zeros((0, 3)), UPRIGHT), np.zeros(6))
+    assert empty.platform.shape == (0, 6)
+    assert empty.contact_forces.shape == (0, 6, 3)
+    states = pf.State(np.tile(HOME, (3, 1)), UPRIGHT)
+    assert states[1].elastic.shape == ()
+    assert model.direct(states[:2], np.zeros(6)).platform.shape == (2, 6)
 
 
 def test_moment_needs_rotation_shapes():

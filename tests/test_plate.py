@@ -165,3 +165,14 @@ def test_published_frequencies_replace_the_computed_ones():
     body = pf.robots.gough_stewart(10, frequencies="published").platform
     assert np.allclose(np.sqrt(body.stiffness), TABLE_2, rtol=1e-9)
     assert np.allclose(body.damping, 2 * 0.4 * np.array(TABLE_2), rtol=1e-9)
+
+
+def test_far_from_the_origin_is_the_same_plate():
+    """Moved by a kilometre: the same frequencies and shapes, nodes and centre moved."""
+    here = pf.fe.plate_modes(corners(), n_modes=4, **PLATE)
+    there = pf.fe.plate_modes(corners() + [1000.0, -500.0], n_modes=4, **PLATE)
+    assert np.allclose(there.frequencies, here.frequencies, rtol=1e-8)
+    assert np.allclose(there.nodes - here.nodes, [1000.0, -500.0, 0.0], atol=1e-9)
+    bodies = [pf.FlexibleBody.from_modes(modes) for modes in (here, there)]
+    for a, b in zip(bodies[0].tables[1:], bodies[1].tables[1:], strict=True):
+        assert np.allclose(a, b, atol=1e-6)

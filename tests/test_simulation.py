@@ -172,6 +172,23 @@ def test_failing_controller_keeps_what_was_reached(model):
     assert run.dataset.sizes["time"] > 1
 
 
+def test_controller_that_fails_again_afterwards_keeps_the_run(model):
+    """Called once more for the record, it fails there too: those forces are not numbers."""
+    calls = []
+
+    def controller(t, s):
+        calls.append(t)
+        if len(calls) > 30:
+            raise RuntimeError("unplugged")
+        return np.zeros(6)
+
+    run = pf.simulate(model, controller, model.robot.home, TIMES)
+    assert run.partial
+    assert "RuntimeError: unplugged" in run.stopped
+    assert np.all(np.isnan(run.dataset.forces))
+    assert np.all(np.isfinite(run.dataset.position))
+
+
 def test_divergence_ends_as_partial(model):
     """Pushed far beyond reason, the platform falls through its legs."""
     run = pf.simulate(model, np.full(6, -4e3), model.robot.home, np.linspace(0, 3, 61))

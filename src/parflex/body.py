@@ -16,7 +16,7 @@ from parflex.array import (
     without_roundoff,
 )
 from parflex.chain import outer
-from parflex.check import exactly, finite, positive
+from parflex.check import exactly, finite, integer, of_type, positive
 from parflex.errors import InputError
 from parflex.modes import Modes, Moments, shifted
 
@@ -42,7 +42,7 @@ class FlexibleBody:
     def __post_init__(self) -> None:
         count = len(self.nodes)
         for number, node in enumerate(self.attachments):
-            if not 0 <= node < count:
+            if integer(f"attachments[{number}]", node) >= count:
                 raise InputError(f"attachments[{number}] is node {node}; this body has nodes 0 … {count - 1}")
 
     @staticmethod
@@ -52,19 +52,21 @@ class FlexibleBody:
         shapes: ArrayLike,
         frequencies: ArrayLike,
         damping_ratio: ArrayLike = 0.0,
-        attachments: Sequence[int] = (),
+        attachments: Sequence[int] | ArrayLike = (),
         rotation_shapes: ArrayLike | None = None,
     ) -> "FlexibleBody":
         """A body of lumped nodal masses.
 
         positions (K, 3) m in Σp, masses (K,) kg, mass-normalised shapes (N, K, 3) kg^-½, natural
-        frequencies (N,) rad/s, damping ratios scalar or (N,), attachments as node numbers,
+        frequencies (N,) rad/s, damping ratios scalar or (N,), attachments as node numbers or points,
         rotation_shapes (N, K, 3) rad m⁻¹ kg^-½ where moments are to be applied.
 
         Raises InputError for wrong shapes, negative masses or frequencies, and where ΦᵀMΦ differs
         from 1 by more than 1e-3.
         """
         r = exactly("positions", positions, (None, 3))
+        if len(r) == 0:
+            raise InputError("positions is empty; a body needs at least one node")
         dm = exactly("masses", masses, (len(r),))
         if np.any(dm < 0) or not np.sum(dm) > 0:
             worst = int(np.argmin(dm))
@@ -91,7 +93,8 @@ class FlexibleBody:
             )
         omega = natural_frequencies("frequencies", frequencies, len(Phi))
         stiffness, damping = modal_diagonals(moments, omega, damping_ratio)
-        return FlexibleBody(moments, r, Phi, rotations, stiffness, damping, tuple(attachments))
+        held = attachment_nodes(r, attachments)
+        return FlexibleBody(moments, r, Phi, rotations, stiffness, damping, held)
 
     @staticmethod
     def from_modes(
@@ -108,6 +111,7 @@ class FlexibleBody:
 
         Raises InputError where a point is on no node.
         """
+        of_type("modes", modes, Modes)
         mass, MS0 = modes.moments.m, modes.moments.MS0
         o = MS0 / mass if origin is None else exactly("origin", origin, (3,))
         nodes = without_roundoff(modes.nodes - o)
@@ -151,7 +155,7 @@ class FlexibleBody:
         a mass that is not positive.
         """
         m = positive("mass", mass)
-        if not 0 <= node < len(self.nodes):
+        if integer("node", node) >= len(self.nodes):
             raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
         r, Phi, old = self.nodes[node], self.shapes[:, node], self.moments
         moments = Moments(
@@ -216,6 +220,8 @@ class FlexibleBody:
     @cached_property
     def origin_node(self) -> int | None:
         """The node at the origin of Σp, where there is one."""
+        if len(self.nodes) == 0:
+            return None
         distance = np.linalg.norm(self.nodes, axis=1)
         nearest = int(np.argmin(distance))
         return nearest if distance[nearest] <= 1e-9 * np.max(distance) else None

@@ -186,7 +186,7 @@ def check_batch(x: Array, second: Array, w: Array, name: str) -> None:
 
 def by_attachment(robot: Robot, f: Array) -> Array:
     """Contact forces (…, k, 3) by attachment, zero where no leg holds, from (…, 3 tips)."""
-    by_tip = f.reshape(f.shape[:-1] + (-1, 3))
+    by_tip = f.reshape(f.shape[:-1] + (len(robot.tip_attachments), 3))
     count = len(robot.platform.attachments)
     chosen = np.arange(count)[:, None] == robot.tip_attachments
     return np.einsum("at,...tc->...ac", chosen.astype(float), by_tip)

@@ -259,6 +259,8 @@ def draw_platform(fig: Figure, ax: Any, at: xr.Dataset, world: Array, bend: Arra
 
 def draw_legs(ax: Any, at: xr.Dataset, R: Array, scale: float) -> None:
     """Straight legs from base to attachment, and the base points."""
+    if at.sizes["leg"] == 0:
+        return
     undrawn = at["attachment_position"].values
     extra = (scale - 1.0) * at["attachment_deformation"].values @ R.T
     tips = (undrawn + extra)[at["leg_attachment"].values - 1]

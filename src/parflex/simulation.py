@@ -74,7 +74,8 @@ def simulate(
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
     run = integrate(law, loads, start, times, tolerances)
-    u, w = at_output_times(run, law), at_output_times(run, loads)
+    u = at_output_times(run, law, model.robot.n_forces)
+    w = at_output_times(run, loads, 6 + model.robot.platform.modes)
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
     return record(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
@@ -164,8 +165,8 @@ def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Arra
     return loads
 
 
-def at_output_times(run: Run, function: Callable[[float, Array], Array]) -> Array:
-    """Rows of a law or load at the output times.
+def at_output_times(run: Run, function: Callable[[float, Array], Array], size: int) -> Array:
+    """Rows (T, size) of a law or load at the output times.
 
     Where a run stopped because the function failed, so may its last rows: they are not numbers.
     """
@@ -174,5 +175,5 @@ def at_output_times(run: Run, function: Callable[[float, Array], Array]) -> Arra
         try:
             rows.append(np.array(function(t, x)))
         except Exception:  # a caller's function may raise anything, and the run is worth keeping
-            rows.append(np.full(np.shape(rows[0]), np.nan))
-    return np.array(rows)
+            rows.append(np.full(size, np.nan))
+    return np.array(rows).reshape(len(run.t), size)

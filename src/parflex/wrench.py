@@ -20,8 +20,8 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
     of_type("state", state, State)
     total = np.zeros(6 + body.modes)
     q_e = elastic_vector("elastic", state.elastic, body.modes)
-    for number, wrench in enumerate(all_of_type("wrenches", wrenches, Wrench)):
-        check_axes(state, wrench, number)
+    check_axes(state, all_of_type("wrenches", wrenches, Wrench))
+    for number, wrench in enumerate(wrenches):
         if not 0 <= wrench.node < len(body.nodes):
             raise InputError(
                 f"wrenches[{number}].node is {wrench.node}; the platform has nodes 0 … {len(body.nodes) - 1}"
@@ -41,13 +41,13 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
     return total
 
 
-def check_axes(state: State, wrench: Wrench, number: int) -> None:
-    """The leading axes of a wrench must broadcast with those of the state."""
-    shapes = state.batch, np.shape(wrench.force)[:-1], np.shape(wrench.moment)[:-1]
+def check_axes(state: State, wrenches: Sequence[Wrench]) -> None:
+    """The leading axes of all wrenches must broadcast with those of the state."""
+    shapes = [np.shape(part)[:-1] for wrench in wrenches for part in (wrench.force, wrench.moment)]
     try:
-        np.broadcast_shapes(*shapes)
+        np.broadcast_shapes(state.batch, *shapes)
     except ValueError:
         raise InputError(
-            f"wrenches[{number}]: the leading (batch) axes of state, force and moment are {shapes[0]}, "
-            f"{shapes[1]} and {shapes[2]}; they must broadcast together"
+            f"the leading (batch) axes of the wrenches' forces and moments are {shapes}, those of the "
+            f"state {state.batch}; they must broadcast together"
         ) from None
