@@ -75,9 +75,8 @@ def plate_modes(
             f"n_modes is {n_modes}, more than {unknowns(len(corners), refine)} unknowns can carry; "
             f"raise refine above {refine}"
         )
-    middle = centroid(corners)  # the element's polynomials are ill-conditioned far from their origin
-    fine = solve_plate(corners - middle, section, n_modes, refine)
-    coarse = solve_plate(corners - middle, section, n_modes, refine - 1)
+    fine = solve_plate(corners, section, n_modes, refine)
+    coarse = solve_plate(corners, section, n_modes, refine - 1)
     notes = cut_pair(fine.frequencies, n_modes)
     for note in notes:
         warnings.warn(note, stacklevel=2)
@@ -86,7 +85,7 @@ def plate_modes(
     error = np.full(n_modes, np.nan)
     error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
     modes = tabulate(kept, section, len(corners), refine)
-    place = np.append(middle, 0.0)
+    place = np.append(centroid(corners), 0.0)
     return replace(
         modes,
         nodes=modes.nodes + place,
@@ -155,8 +154,12 @@ def centroid(corners: Array) -> Array:
 
 
 def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> PlateSolution:
-    """Elastic modes and some to spare; the three rigid ones are recognised and left out."""
-    basis = skfem.Basis(fan_mesh(corners, refine), skfem.ElementTriArgyris(), intorder=10)
+    """Elastic modes and some to spare; the three rigid ones are recognised and left out.
+
+    The mesh lies about the centroid: the element's polynomials are ill-conditioned far from their
+    origin.
+    """
+    basis = skfem.Basis(fan_mesh(corners - centroid(corners), refine), skfem.ElementTriArgyris(), intorder=10)
     mass = inertia_form(section).assemble(basis)
     stiffness = bending_form(section).assemble(basis)
     count = min(n_modes + SPARE + 3, basis.N - 1)
