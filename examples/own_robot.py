@@ -29,7 +29,7 @@ def ring(radius: float, degrees: list[float]) -> np.ndarray:
 
 platform_points = ring(0.3, [50, 70, 170, 190, 290, 310])
 base_points = ring(0.5, [10, 110, 130, 230, 250, 350])
-modes = pf.fe.plate_modes(platform_points, 0.012, 70e9, 0.33, 2700, n_modes=8)
+modes = pf.fe.plate_modes(platform_points, 0.012, 70e9, 0.33, 2700, n_modes=9)
 body = pf.FlexibleBody.from_modes(modes, origin=(0, 0, 0), damping_ratio=0.01)
 legs = [ups(np.append(b, 0.0), np.arctan2(b[1], b[0]), i) for i, b in enumerate(base_points)]
 robot = pf.Robot(tuple(legs), body, home_pose=((0, 0, 0.6), np.eye(3)))

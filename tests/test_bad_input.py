@@ -54,7 +54,7 @@ CASES = {
         "State.rotation at index 1 is not a rotation",
     ),
     "unbroadcastable batch": (
-        lambda: pf.State(np.zeros((3, 3)), np.stack([UPRIGHT] * 2)).batch,
+        lambda: pf.State(np.zeros((3, 3)), np.stack([UPRIGHT] * 2)),
         "must broadcast together",
     ),
     "negative mass of a link": (lambda: leg(M=-1.0), "Joint.M is -1.0; it cannot be negative"),
@@ -133,7 +133,7 @@ CASES = {
     ),
     "a leg, not a list": (lambda: pf.Robot(leg(), nodes()), "Robot.legs is Leg; give a list"),
     "a name for a platform": (lambda: pf.Robot((), "plate"), "Robot.platform is str; expected"),
-    "complex position": (lambda: pf.State((1j, 0, 0), UPRIGHT), "complex values"),
+    "complex position": (lambda: pf.State((1j, 0, 0), UPRIGHT), "values of type complex128"),
     "half a node": (lambda: pf.Wrench(0.5), "Wrench.node is 0.5"),
     "no nodes": (lambda: nodes(positions=np.zeros((0, 3))), "positions is empty"),
     "ragged attachments": (

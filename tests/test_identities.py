@@ -218,3 +218,40 @@ def test_static_equilibrium_is_at_rest(model_of):
         found = model.direct(state, forces)
         assert np.max(np.abs(found.platform)) <= 1e-9
         assert np.max(np.abs(found.elastic), initial=0.0) <= 1e-9
+
+
+def test_slider_measured_from_elsewhere_is_the_same_leg(model_of):
+    """The joint variable is added to r: with r = 1.05 m, q_3 is shorter by that and nothing else."""
+    from dataclasses import replace
+
+    model = model_of(1)
+    legs = [
+        replace(leg, joints=(*leg.joints[:2], replace(leg.joints[2], r=1.05))) for leg in model.robot.legs
+    ]
+    other = pf.Model(replace(model.robot, legs=tuple(legs)), "numpy")
+    state, forces = random_states(model.robot, 5, 1), random_forces(model, 5, 2)
+    assert relative(other.direct(state, forces).platform, model.direct(state, forces).platform) <= SAME
+    assert relative(other.legs(state).q[2][:, 2] + 1.05, model.legs(state).q[2][:, 2]) <= SAME
+
+
+def test_leg_without_an_actuator(model_of):
+    """Seven legs, one a passive strut: six forces, and the inverse model gives them back."""
+    from dataclasses import replace
+
+    robot = model_of(1).robot
+    strut = replace(
+        robot.legs[0],
+        joints=(*robot.legs[0].joints[:2], replace(robot.legs[0].joints[2], mu=0)),
+        origin=robot.legs[0].origin + [0.1, 0.4, 0.0],
+        tips=(pf.Tip(3, attachment=6),),
+    )
+    body = replace(robot.platform, attachments=(*robot.platform.attachments, 0))
+    model = pf.Model(replace(robot, legs=(*robot.legs, strut), platform=body), "numpy")
+    state, forces = random_states(robot, 5, 3), 100.0 + np.arange(30.0).reshape(5, 6)
+    found = model.direct(state, forces)
+    assert found.contact_forces.shape == (5, 7, 3)
+    assert relative(model.inverse(state, found.platform).forces, forces) <= SOLVED
+    assert (
+        relative(cartesian.direct(model.robot, coordinates(pack(state, 1), 1), forces)[0], found.platform)
+        <= SAME
+    )

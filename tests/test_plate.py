@@ -176,3 +176,11 @@ def test_far_from_the_origin_is_the_same_plate():
     bodies = [pf.FlexibleBody.from_modes(modes) for modes in (here, there)]
     for a, b in zip(bodies[0].tables[1:], bodies[1].tables[1:], strict=True):
         assert np.allclose(a, b, atol=1e-6)
+
+
+def test_slender_plate_is_not_passed_off_as_resolved():
+    """A strip fifty times as long as wide: the default mesh does not resolve its modes, and says so."""
+    strip = [(0, 0), (1.0, 0), (1.0, 0.02), (0, 0.02)]
+    with pytest.warns(UserWarning, match="from the mesh once coarser: raise refine"):
+        found = pf.fe.plate_modes(strip, n_modes=3, **PLATE)
+    assert np.max(found.frequency_error) > 0.05

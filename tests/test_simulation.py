@@ -285,3 +285,38 @@ def test_state_of_a_trajectory_packs(model):
     way = pf.Trajectory.through(model.robot.home, [((0.02, 0, 0), (0, 0, 0))], 0.5)
     states = way.sample(np.linspace(0, 1, 5)).state()
     assert pack(states, 3).shape == (5, 19)
+
+
+def test_flat_calls_write_where_they_are_told(model):
+    """Rows of a matrix are new views at every call, whose identities are soon reused."""
+    _, forces = model.static(*model.robot.home_pose)
+    pushes = forces + np.arange(8.0)[:, None] * 50
+    for backend in ("numpy", "vm"):
+        c = pf.Model(model.robot, backend).compiled()
+        x, u, rows = c.pack(model.robot.home), np.zeros(6), np.full((8, 9), np.nan)
+        for i in range(8):
+            u[:] = pushes[i]
+            c.direct(x, u, rows[i])
+        found = model.direct(model.robot.home, pushes)
+        assert np.allclose(rows, np.concatenate([found.platform, found.elastic], axis=1), atol=1e-9)
+
+
+def test_controller_of_another_model_is_refused(model, model_of):
+    home = model.robot.home
+    way = pf.Trajectory.through(home, [((0.01, 0, 0), (0, 0, 0))], 0.5)
+    for other in (pf.ComputedTorque(model_of(0), way), pf.JointPD(model_of(0), model_of(0).robot.home, 1, 1)):
+        with pytest.raises(pf.InputError, match="made for another model"):
+            pf.simulate(model, other, home, TIMES)
+
+
+def test_first_refusal_is_the_reason(model):
+    """What the controller said, not what its later calls with broken numbers led to."""
+
+    def controller(t, s):
+        if t > 0.05:
+            raise pf.InputError("the battery is empty")
+        return np.zeros(6)
+
+    run = pf.simulate(model, controller, model.robot.home, TIMES)
+    assert run.partial
+    assert run.stopped.endswith("the battery is empty")

@@ -108,7 +108,7 @@ def actuated_axes(robot: Robot, system: System) -> Array:
         rows = transpose(leg.J)
         unit = selection(leg.group).T
         axes = [solve_least_norm(rows, np.broadcast_to(u, rows.shape[:-1])) for u in unit]
-        parts.append(block_diagonal(stack(axes)))
+        parts.append(block_diagonal(stack(axes) if axes else leg.J[..., :0]))
     return diagonal(parts)[..., robot.force_order]
 
 
@@ -132,7 +132,7 @@ def actuated_positions(robot: Robot, system: System) -> Array:
     parts = []
     for leg in system.legs:
         q = [joint_position(leg, j) for j in leg.group.actuated]
-        by_leg = stack(q)
+        by_leg = stack(q) if q else leg.qd[..., :0]
         parts.append(merged(by_leg))
     return join([np.zeros(0), *parts])[..., robot.force_order]
 

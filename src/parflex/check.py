@@ -47,8 +47,9 @@ def all_of_type(name: str, values: Any, kind: type) -> tuple[Any, ...]:
 def finite(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
     """A float array whose trailing axes have `shape` (None: any length); exact shape for ()."""
     try:
-        if np.iscomplexobj(value):
-            raise TypeError("complex values")
+        kind = np.asarray(value).dtype
+        if kind.kind not in "biuf":
+            raise TypeError(f"values of type {kind}")
         array = np.array(value, dtype=float)
     except (TypeError, ValueError) as error:
         raise InputError(f"{name} is not an array of numbers: {error}") from None

@@ -1,6 +1,7 @@
 """The command `parflex`."""
 
 import sys
+import tempfile
 import time
 import warnings
 from pathlib import Path
@@ -76,6 +77,7 @@ def paper(
     from parflex import paper as section
 
     check_format(image)
+    check_writable(out)
     start = time.perf_counter()
     done = section.run(
         0 if rigid else modes, frequencies, undeformed, backend, say=lambda words: step(start, words)
@@ -162,11 +164,11 @@ def doctor() -> None:
 
 def frequency_table(found: Any, published: tuple[float, ...]) -> Table:
     """Frequencies, their estimated error, and the published ones where there are any."""
-    heads = ["mode", "rad/s", "Hz", "mesh error"]
+    heads = ["mode", "rad/s", "Hz", "change from coarser mesh"]
     table = Table(*heads, *(["Table 2", "difference"] if published else []), title="Elastic modes")
     for k, omega in enumerate(found.frequencies):
         error = found.frequency_error[k]
-        row = [f"{k + 1}", f"{omega:.3f}", f"{omega / 6.283185307179586:.3f}", f"≤ {100 * error:.3f} %"]
+        row = [f"{k + 1}", f"{omega:.3f}", f"{omega / 6.283185307179586:.3f}", f"{100 * error:.3f} %"]
         if k < len(published):
             row += [f"{published[k]:.3f}", f"{100 * (omega / published[k] - 1):+.2f} %"]
         table.add_row(*row)
@@ -210,6 +212,16 @@ def check_format(image: str) -> None:
     """Only what every matplotlib can write."""
     if image not in ("png", "pdf", "svg"):
         raise InputError(f"--format is {image!r}; choose png, pdf or svg")
+
+
+def check_writable(folder: Path) -> None:
+    """Make the folder and try a file in it, before any work."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"--out {folder} cannot be written to: {error.strerror or error}") from None
 
 
 def is_paper_plate(corner: list[str] | None, *values: float) -> bool:

@@ -99,6 +99,7 @@ class ComputedTorque(Controller):
         return self.bind(self.model)(t, pack(state, modes))
 
     def bind(self, model: "Model") -> Law:
+        same_model(self.model, model)
         return Tracking(
             model, self.trajectory, np.concatenate([np.zeros(6) + self.kp, np.zeros(6) + self.kd])
         )
@@ -132,7 +133,7 @@ class Tracking(Law):
         return moved, powers
 
     def explain(self) -> str:
-        return self._watch.explain(self._results[1])
+        return self._watch.explain(*self._results[1:3])
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,6 +162,7 @@ class JointPD(Controller):
             object.__setattr__(self, name, value)
 
     def bind(self, model: "Model") -> Law:
+        same_model(self.model, model)
         return Springs(model, self)
 
 
@@ -209,6 +211,15 @@ class Constant(Driven):
 
     def __call__(self, t: float, x: Array) -> Array:
         return self._forces
+
+
+def same_model(own: "Model", simulated: "Model") -> None:
+    """A controller runs on the model it was made for."""
+    if own is not simulated:
+        raise InputError(
+            "the controller was made for another model than the one simulated; make it with that model, or "
+            "pass a function (t, state) -> forces that calls the other model's inverse"
+        )
 
 
 def as_law(model: "Model", given: Any) -> Law:

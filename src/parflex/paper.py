@@ -80,8 +80,8 @@ def frequency_notes(modes: Modes, frequencies: str) -> list[str]:
         notes.append("frequencies are those of Table 2, shapes are computed")
     elif len(modes.frequencies) >= 8:
         notes.append(
-            "modes 8-10 lie 8-9 % below Table 2, whose mesh was too coarse for them: ours changes "
-            f"by less than {100 * np.max(modes.frequency_error[:10]):.2f} % when refined"
+            "modes 8-10 lie 8-9 % below Table 2, whose mesh was too coarse for them: ours are within "
+            f"{100 * np.max(modes.frequency_error[:10]):.2f} % of those of a mesh twice as coarse"
         )
     return notes
 

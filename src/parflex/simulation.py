@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
 Loads = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
 SMALLEST_RTOL = 100 * np.finfo(float).eps
-SMALLEST = 1e-11  # step against the whole run: it would take days
+SMALLEST, PATIENCE = 1e-6, 1000  # steps below this part of the run, so many in a row, end it
 WORKS = 3  # actuators, external wrenches, damping: integrated beside the state
 
 
@@ -76,6 +76,8 @@ def simulate(
     run = integrate(law, loads, start, times, tolerances)
     u = at_output_times(run, law, model.robot.n_forces)
     w = at_output_times(run, loads, 6 + model.robot.platform.modes)
+    if not run.stopped and not (np.all(np.isfinite(u)) and np.all(np.isfinite(w))):
+        run = run._replace(stopped="after the run: forces or wrenches failed when called for the record")
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
     return record(model, run, u, w, trajectory, {"integrator": "DOP853", **tolerances})
 
@@ -91,7 +93,7 @@ def integrate(
     rate = RightHandSide(law, loads)
     y = np.concatenate([start, np.zeros(WORKS)])
     rate.first(times[0], y)
-    rows, done, reached_t, stopped = [y], 1, times[0], ""
+    rows, done, reached_t, slow, stopped = [y], 1, times[0], 0, ""
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:
             solver = DOP853(rate, times[0], y, times[-1], **tolerances)
@@ -106,7 +108,8 @@ def integrate(
                     rows += [read(time) for time in times[done:reached]]
                     done = reached
                 reached_t, rate.refused = solver.t, None
-                if solver.status == "running" and solver.step_size < SMALLEST * (times[-1] - times[0]):
+                slow = slow + 1 if solver.step_size < SMALLEST * (times[-1] - times[0]) else 0
+                if slow > PATIENCE:
                     stopped = law.explain() or "the step size vanished: it diverges"
                     break
                 bar.to(reached_t - times[0])
@@ -141,6 +144,8 @@ class RightHandSide:
         return found
 
     def __call__(self, t: float, y: Array) -> Array:
+        if not np.all(np.isfinite(y)):  # a later stage of a step that was refused already
+            return np.full(len(y), np.nan)
         try:
             return self.first(t, y)
         except InputError as error:
@@ -174,6 +179,6 @@ def at_output_times(run: Run, function: Callable[[float, Array], Array], size: i
     for t, x in zip(run.t, run.x, strict=True):
         try:
             rows.append(np.array(function(t, x)))
-        except Exception:  # a caller's function may raise anything, and the run is worth keeping
+        except (Exception, KeyboardInterrupt):  # whatever happens now, the run is worth keeping
             rows.append(np.full(size, np.nan))
     return np.array(rows).reshape(len(run.t), size)

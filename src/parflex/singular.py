@@ -63,22 +63,22 @@ def check_gain(robot: Robot, output: FrameOutput, gain: Array, Jp_invT: Array) -
     gain (…, o m) = ∂output/∂Γ and J_p⁻ᵀ (…, 6 m), by rows.
     """
     m = robot.n_forces
-    full = output.rows == FrameOutput().rows and m == 6
+    full = sorted(output.rows) == list(range(6)) and m == 6
     size = platform_size(robot)
     lengths = FrameOutput().lengths(size)
     rigid = Jp_invT.reshape(Jp_invT.shape[:-1] + (6, m)) / lengths[:, None]
     flexible = gain.reshape(gain.shape[:-1] + (output.size, m))
     flexible = flexible * output.lengths(size)[:, None]
-    if full:
+    if m >= 6:
         report_parallel(rigid, lengths)
     bad = ratio(flexible) < SINGULAR
     reason = "no actuator forces give the wanted acceleration"
     if full and not np.any(bad):
-        bad = np.linalg.det(flexible) * np.linalg.det(rigid) < 0
+        bad = np.linalg.det(flexible[..., np.argsort(output.rows), :]) * np.linalg.det(rigid) < 0
         reason = "the platform bends so much that it accelerates against its actuators"
     if np.any(bad):
         raise SingularPose(
-            f"pose{index_of(bad)} is a dynamic singularity: {reason}, though J_p⁻¹ is regular; "
+            f"pose{index_of(bad)} is a dynamic singularity: {reason}, though J_p⁻¹ has full rank; "
             f"move the pose, stiffen the platform, or prescribe another output"
         )
 
@@ -92,7 +92,7 @@ class Watch:
 
     def __init__(self, robot: Robot, output: FrameOutput) -> None:
         self._robot, self._output = robot, output
-        self._start: tuple[Array, float] | None = None  # gain and det J_p⁻ᵀ at the first look
+        self._start: tuple[Array, float, Array] | None = None  # gain, det J_p⁻ᵀ, J_p⁻ᵀ at first
 
     def look(self, gain: Array, Jp_invT: Array) -> None:
         """Raise SingularPose where the inverse model has ceased to exist."""
@@ -101,23 +101,26 @@ class Watch:
             return
         flexible, rigid = np.linalg.det(np.concatenate([gain, Jp_invT]).reshape(2, 6, 6))
         if self._start is None:
-            self._start = gain.copy(), float(rigid)
+            self._start = gain.copy(), float(rigid), Jp_invT.copy()
         if rigid * self._start[1] < 0:
             raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
         if not flexible * rigid > 0:
             check_gain(self._robot, self._output, gain, Jp_invT)
 
-    def explain(self, gain: Array) -> str:
-        """Whether the motion has run into a dynamic singularity without crossing it."""
+    def explain(self, gain: Array, Jp_invT: Array) -> str:
+        """Whether the motion has run into a singularity without crossing it."""
         if self._start is None:
             return ""
-        shape = (self._output.size, self._robot.n_forces)
         scale = self._output.lengths(platform_size(self._robot))[:, None]
-        now, start = (ratio(scale * a.reshape(shape)) for a in (gain, self._start[0]))
+        now, start = (ratio(a.reshape(6, 6) / scale) for a in (Jp_invT, self._start[2]))
+        kind = "parallel"
+        if now > 0.05 * start:
+            now, start = (ratio(scale * a.reshape(6, 6)) for a in (gain, self._start[0]))
+            kind = "dynamic"
         if now > 0.05 * start:
             return ""
         return (
-            f"a dynamic singularity is near: the weakest gain from forces to acceleration has fallen "
+            f"a {kind} singularity is near: the weakest gain from forces to acceleration has fallen "
             f"to {now / start:.1e} of its value at the start"
         )
 

@@ -19,7 +19,7 @@ class State:
 
     position (…, 3) m and rotation (…, 3, 3) place Σp in Σ0; twist (…, 6) is (v_p, ω_p) in Σp,
     m/s and rad/s; elastic and elastic_rate (…, N) are q_e and q̇_e (0: undeformed, at rest).
-    `joints` is kept for legs without closed-form inverse geometry.
+    `joints` is reserved for legs without closed-form inverse geometry.
 
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
     """
@@ -37,6 +37,9 @@ class State:
         object.__setattr__(self, "twist", finite("State.twist", self.twist, (6,)))
         for name in ("elastic", "elastic_rate"):
             object.__setattr__(self, name, finite(f"State.{name}", getattr(self, name)))
+        if self.joints is not None:
+            raise InputError("State.joints: no leg type of this version carries its joints in the state")
+        _ = self.batch  # the leading axes must broadcast
 
     def __getitem__(self, index: Any) -> "State":
         """States of a batch, chosen along its leading axes."""

@@ -1,7 +1,6 @@
 """The models on flat arrays, for control loops: no allocation, no checks after the first call."""
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -18,6 +17,16 @@ if TYPE_CHECKING:
 REMEMBERED = 64  # sets of arrays, per function
 
 
+Key = tuple[int, int, int]  # identities of the arrays
+
+
+class Bound(NamedTuple):
+    """A bound call and the very objects that were passed: while they live, their id is theirs."""
+
+    trigger: Trigger
+    arrays: tuple[Array, Array, Array]
+
+
 class Compiled:
     """Direct and inverse models on flat float64 arrays; one per thread.
 
@@ -30,8 +39,8 @@ class Compiled:
         self.model = model
         self.modes, self.force_size, self.contact_size = sizes(model.robot)
         self.state_size = state_size(self.modes)
-        self._direct: dict[tuple[int, int, int], Trigger] = {}
-        self._inverse: dict[tuple[int, int, int], Trigger] = {}
+        self._direct: dict[Key, Bound] = {}
+        self._inverse: dict[Key, Bound] = {}
 
     def pack(self, state: State) -> Array:
         """The flat state (state_size,) of one state."""
@@ -47,11 +56,11 @@ class Compiled:
     def direct(self, x: Array, u: Array, out: Array) -> None:
         """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
         key = (id(x), id(u), id(out))
-        trigger = self._direct.get(key)
-        if trigger is None:
-            trigger = self._bind_direct(x, u, out)
-            remember(self._direct, key, trigger)
-        trigger()
+        bound = self._direct.get(key)
+        if bound is None:
+            bound = Bound(self._bind_direct(x, u, out), (x, u, out))
+            remember(self._direct, key, bound)
+        bound.trigger()
 
     def inverse(self, x: Array, target: Array, out: Array) -> None:
         """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for V̇_p = target (6,).
@@ -59,11 +68,11 @@ class Compiled:
         Nothing is checked here: near a singular pose the forces grow without bound.
         """
         key = (id(x), id(target), id(out))
-        trigger = self._inverse.get(key)
-        if trigger is None:
-            trigger = self._bind_inverse(x, target, out)
-            remember(self._inverse, key, trigger)
-        trigger()
+        bound = self._inverse.get(key)
+        if bound is None:
+            bound = Bound(self._bind_inverse(x, target, out), (x, target, out))
+            remember(self._inverse, key, bound)
+        bound.trigger()
 
     def _bind_direct(self, x: Array, u: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
@@ -104,10 +113,8 @@ def check(name: str, array: Array, *lengths: int) -> None:
         )
 
 
-def remember(
-    known: dict[tuple[int, int, int], Trigger], key: tuple[int, int, int], trigger: Callable[[], None]
-) -> None:
-    """Keep a bound call; the oldest are dropped where a caller keeps passing new arrays."""
+def remember(known: dict[Key, Bound], key: Key, bound: Bound) -> None:
+    """Keep a bound call; the oldest is dropped where a caller keeps passing new arrays."""
     if len(known) >= REMEMBERED:
         known.pop(next(iter(known)))
-    known[key] = trigger
+    known[key] = bound

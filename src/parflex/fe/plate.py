@@ -20,6 +20,7 @@ from parflex.fe.canonical import canonical, cut_pair
 from parflex.modes import Modes, Moments, shifted
 
 DEFAULT_REFINE = 2
+UNRESOLVED = 0.05  # change of a frequency from the coarser mesh that is worth a warning
 SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
 
 
@@ -54,14 +55,15 @@ def plate_modes(
     polygon (n, 2) m, either sense of rotation; thickness m; young N/m²; density kg/m³; n_modes ≥ 0
     (0: the rigid plate). `refine` halves the triangles, fanned from the centroid, that many times;
     by default as often as the number of modes needs, at least twice. The error of a
-    frequency is estimated by its change from the mesh once coarser, and bounds it from above.
+    frequency is estimated by its change from the mesh once coarser; frequencies come from above.
 
     Node 0 is the centroid, nodes 1 … n are the corners. Signs and the orientation of degenerate
     pairs are canonical: positive at the first corner that moves; of a pair, the first has the
     largest deflection at the first corner and the second vanishes there.
 
     Raises InputError for a polygon that is not convex or crosses itself and for values no plate
-    has; warns where the number of modes cuts a degenerate pair in two.
+    has; warns where the number of modes cuts a degenerate pair in two, and where a frequency
+    changes by more than 5 % from the coarser mesh.
     """
     corners = convex_polygon(polygon)
     section = plate_section(thickness, young, poisson, density)
@@ -77,13 +79,13 @@ def plate_modes(
         )
     fine = solve_plate(corners, section, n_modes, refine)
     coarse = solve_plate(corners, section, n_modes, refine - 1)
-    notes = cut_pair(fine.frequencies, n_modes)
-    for note in notes:
-        warnings.warn(note, stacklevel=2)
     kept = PlateSolution(fine.basis, fine.frequencies[:n_modes], fine.coefficients[:, :n_modes])
     known = min(n_modes, len(coarse.frequencies))
     error = np.full(n_modes, np.nan)
     error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
+    notes = (*cut_pair(fine.frequencies, n_modes), *coarse_mesh(error, refine))
+    for note in notes:
+        warnings.warn(note, stacklevel=2)
     modes = tabulate(kept, section, len(corners), refine)
     place = np.append(centroid(corners), 0.0)
     return replace(
@@ -92,6 +94,17 @@ def plate_modes(
         moments=shifted(modes.moments, -place),
         frequency_error=error,
         notes=notes,
+    )
+
+
+def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
+    """A note where the mesh does not resolve a mode."""
+    worst = float(np.nanmax(error, initial=0.0))
+    if worst <= UNRESOLVED:
+        return ()
+    return (
+        f"the frequency of mode {int(np.nanargmax(error)) + 1} changes by {100 * worst:.1f} % from the mesh "
+        f"once coarser: raise refine above {refine}, or avoid slender plates",
     )
 
 

@@ -63,8 +63,8 @@ class UPS(LegType):
         )
 
     def margins(self, chain: Chain, joints: Joints, offsets: Array) -> tuple[Array, Array]:
-        """The stroke q_3 (m), and sin q2, which is zero in gimbal lock."""
-        return joints.length[..., 2], joints.sin[..., 1]
+        """The distance from joint to tip (m), and sin q2, which is zero in gimbal lock."""
+        return joints.length[..., 2] + chain.r[:, 2] + offsets[:, 0, 2], joints.sin[..., 1]
 
     def _first_frame(self, chain: Chain) -> tuple[Array, Array]:
         """Axes and origin, in Σ0i, of the first joint's frame at q_1 = 0."""

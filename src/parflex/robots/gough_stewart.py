@@ -109,6 +109,15 @@ def plate(modes: int, frequencies: str = "converged") -> Modes:
     """
     from parflex.fe import plate_modes
 
+    check_choice(modes, frequencies)
+    computed = plate_modes(corners(), n_modes=modes, **PLATE)
+    if frequencies == "published":
+        computed = replace(computed, frequencies=np.array(TABLE_2[:modes]))
+    return computed
+
+
+def check_choice(modes: int, frequencies: str) -> None:
+    """Raise InputError for a number of modes or a choice of frequencies that there is not."""
     if frequencies not in ("converged", "published"):
         raise InputError(f'frequencies is {frequencies!r}; choose "converged" or "published"')
     integer("modes", modes)
@@ -117,10 +126,6 @@ def plate(modes: int, frequencies: str = "converged") -> Modes:
             f'modes is {modes}, but frequencies="published" has the {len(TABLE_2)} of Table 2; '
             f'ask for at most {len(TABLE_2)}, or use frequencies="converged"'
         )
-    computed = plate_modes(corners(), n_modes=modes, **PLATE)
-    if frequencies == "published":
-        computed = replace(computed, frequencies=np.array(TABLE_2[:modes]))
-    return computed
 
 
 def held(modes: Modes, damping_ratio: float = DAMPING_RATIO) -> FlexibleBody:
@@ -143,6 +148,7 @@ def gough_stewart(
 
     Raises InputError for a negative number of modes or an unknown choice of frequencies.
     """
+    check_choice(modes, frequencies)
     body = held(plate(modes, frequencies), damping_ratio) if platform is None else platform
     legs = tuple(
         Leg(rotation, origin, links(), (Tip(3, attachment=i),))
