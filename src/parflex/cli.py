@@ -133,7 +133,7 @@ def modes(
     for note in found.notes:
         console.print(f"[yellow]note[/] {note}")
     moments = found.moments
-    com = moments.MS0 / moments.m
+    com = [round(float(first) / moments.m, 9) + 0.0 for first in moments.MS0]
     console.print(f"mass {moments.m:.4f} kg, centre of mass ({com[0]:.4g}, {com[1]:.4g}) m; {found.source}")
     if count:
         out.mkdir(parents=True, exist_ok=True)
