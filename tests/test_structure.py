@@ -82,4 +82,4 @@ def test_import_is_light():
 
 def test_unknown_names_are_attribute_errors():
     with pytest.raises(AttributeError, match="no attribute 'Modell'"):
-        _ = pf.Modell  # type: ignore[attr-defined]
+        _ = pf.Modell

@@ -71,6 +71,16 @@ def dot(a: Array, b: Array) -> Array:
     return np.sum(a * b, axis=-1)
 
 
+def outer(a: Array, b: Array) -> Array:
+    """a bᵀ over the last axis."""
+    return a[..., :, None] * b[..., None, :]
+
+
+def trace(a: Array) -> Array:
+    """Sum of the diagonal of 3 × 3 matrices (…, 3, 3)."""
+    return a[..., 0, 0] + a[..., 1, 1] + a[..., 2, 2]
+
+
 def cross(a: Array, b: Array) -> Array:
     """Vector product over the last axis."""
     a1, a2, a3 = a[..., 0], a[..., 1], a[..., 2]

@@ -11,11 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.array import (
-    Array,
-    without_roundoff,
-)
-from parflex.chain import outer
+from parflex.array import Array, outer, without_roundoff
 from parflex.check import exactly, finite, integer, of_type, positive
 from parflex.errors import InputError
 from parflex.modes import Modes, Moments, shifted

@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, cross, dot, matrix, mtv, mv, stack, transpose
+from parflex.array import Array, cross, dot, matrix, mtv, mv, outer, stack, trace, transpose
 from parflex.spatial import exact_cos_sin
 
 E_Z = np.array([0.0, 0.0, 1.0])
@@ -194,16 +194,6 @@ def in_antecedent(R: Array, p: Array, M: Array, MS: Array, inertia: Array) -> tu
         MS_a + M[..., None] * p,
         R @ inertia @ transpose(R) + trace(both)[..., None, None] * np.eye(3) - both,
     )
-
-
-def outer(a: Array, b: Array) -> Array:
-    """a bᵀ over the last axis."""
-    return a[..., :, None] * b[..., None, :]
-
-
-def trace(a: Array) -> Array:
-    """Sum of the diagonal of 3 × 3 matrices (…, 3, 3)."""
-    return a[..., 0, 0] + a[..., 1, 1] + a[..., 2, 2]
 
 
 def potential_energy(chain: Chain, frame: Frames, gravity: Array) -> Array:

@@ -4,9 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, block, contract, cross, dot, join, mtv, mv, skew, stack, transpose
+from parflex.array import Array, block, contract, cross, dot, join, mtv, mv, skew, stack, trace, transpose
 from parflex.body import FlexibleBody
-from parflex.chain import trace
 
 
 class Contractions(NamedTuple):

@@ -5,7 +5,7 @@
 
 import warnings
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
@@ -14,9 +14,10 @@ from scipy.sparse.linalg import eigsh
 from skfem.helpers import dd, ddot, dot, grad, trace
 
 from parflex.array import Array
-from parflex.check import exactly, integer, positive, scalar
+from parflex.check import integer, positive, scalar
 from parflex.errors import InputError
 from parflex.fe.canonical import canonical, cut_pair
+from parflex.fe.polygon import centroid, convex_polygon
 from parflex.modes import Modes, Moments, shifted
 
 DEFAULT_REFINE = 2
@@ -108,31 +109,6 @@ def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
     )
 
 
-def convex_polygon(polygon: ArrayLike) -> Array:
-    """The corners (n, 2), anticlockwise; the first stays first."""
-    corners = exactly("polygon", polygon, (None, 2))
-    if len(corners) < 3:
-        raise InputError(f"polygon has {len(corners)} corners; a plate needs at least 3")
-    edges = np.roll(corners, -1, axis=0) - corners
-    turns = edges[:, 0] * np.roll(edges[:, 1], -1) - edges[:, 1] * np.roll(edges[:, 0], -1)
-    length = np.linalg.norm(edges, axis=1)
-    if np.any(length == 0):
-        raise InputError(f"polygon: corner {int(np.argmin(length))} is given twice in a row")
-    sine = turns / (length * np.roll(length, -1))
-    if not (np.all(sine > 1e-9) or np.all(sine < -1e-9)):
-        sense = np.sign(np.sum(turns))
-        worst = (int(np.argmin(sine * sense)) + 1) % len(corners)
-        raise InputError(
-            f"polygon is not convex at corner {worst}, {corners[worst]}; give the corners of a "
-            f"convex outline in order, without points on straight edges"
-        )
-    dots = np.sum(edges * np.roll(edges, -1, axis=0), axis=1)
-    angles = abs(np.sum(np.arctan2(turns, dots)))
-    if abs(angles - 2 * np.pi) > 1e-6:
-        raise InputError("polygon crosses itself; give the corners in order around the outline")
-    return corners if turns[0] > 0 else np.roll(corners[::-1], 1, axis=0)
-
-
 def plate_section(thickness: float, young: float, poisson: float, density: float) -> Section:
     """Checked properties per area."""
     h, E = positive("thickness", thickness), positive("young", young)
@@ -156,14 +132,6 @@ def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
     points = np.vstack([centroid(corners), corners]).T
     i = np.arange(n)
     return skfem.MeshTri(points, np.stack([0 * i, 1 + i, 1 + (i + 1) % n])).refined(refine)
-
-
-def centroid(corners: Array) -> Array:
-    """The centre (2,) of a polygon's area."""
-    near = corners - corners[0]
-    x, y = near.T
-    weights = x * np.roll(y, -1) - y * np.roll(x, -1)
-    return corners[0] + (weights @ (near + np.roll(near, -1, axis=0))) / (3 * np.sum(weights))
 
 
 def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> PlateSolution:
@@ -198,7 +166,7 @@ def bending_form(section: Section) -> skfem.BilinearForm:
     """D [(1 − ν) ∇∇w:∇∇v + ν Δw Δv]."""
 
     @skfem.BilinearForm
-    def bending(u, v, _):  # type: ignore[no-untyped-def]
+    def bending(u: Any, v: Any, _: Any) -> Any:
         nu = section.poisson
         return section.D * ((1 - nu) * ddot(dd(u), dd(v)) + nu * trace(dd(u)) * trace(dd(v)))
 
@@ -209,7 +177,7 @@ def inertia_form(section: Section) -> skfem.BilinearForm:
     """a w v + b ∇w·∇v."""
 
     @skfem.BilinearForm
-    def inertia(u, v, _):  # type: ignore[no-untyped-def]
+    def inertia(u: Any, v: Any, _: Any) -> Any:
         return section.a * u * v + section.b * dot(grad(u), grad(v))
 
     return inertia
