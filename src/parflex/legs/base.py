@@ -7,7 +7,7 @@ import numpy as np
 
 from parflex.array import Array, Given
 from parflex.chain import Chain, Frames, Joints
-from parflex.check import all_of_type, exactly, integer, rotation_matrix, scalar
+from parflex.check import all_of_type, exactly, integer, positive, rotation_matrix, scalar
 from parflex.errors import InputError
 
 
@@ -20,8 +20,12 @@ class Joint:
     the link frame (kg m², products as matrix entries), in link axes; grouped base parameters are
     welcome. `IA` is the rotor inertia seen at the joint (kg m² or kg).
 
-    Raises InputError where a value is not finite, a flag is not 0 or 1, M or IA is negative, or I
-    is not symmetric.
+    Friction `Fv` q̇ + `Fs` q̇/√(q̇² + v_s²) (Coulomb's, smoothed over the rate `v_s`) and a spring
+    `k` (q − q_0) act on the joint, the spring of a revolute joint within half a turn of `q_0`.
+    `q_min` and `q_max` are reported where they are exceeded, not enforced.
+
+    Raises InputError where a value is not finite, a flag is not 0 or 1, M, IA, friction or k is
+    negative, v_s is not positive, I is not symmetric, or q_min is not below q_max.
     """
 
     antecedent: int
@@ -37,17 +41,27 @@ class Joint:
     MS: Given = (0.0, 0.0, 0.0)
     I: Given = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
     IA: float = 0.0
+    Fv: float = 0.0
+    Fs: float = 0.0
+    v_s: float = 1e-3
+    k: float = 0.0
+    q_0: float = 0.0
+    q_min: float = -np.inf
+    q_max: float = np.inf
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "antecedent", integer("Joint.antecedent", self.antecedent))
         for name in ("sigma", "mu"):
             if integer(f"Joint.{name}", getattr(self, name)) > 1:
                 raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
-        for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA"):
+        for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA", "Fv", "Fs", "k", "q_0"):
             object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
-        for name in ("M", "IA"):
+        for name in ("M", "IA", "Fv", "Fs", "k"):
             if getattr(self, name) < 0:
                 raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
+        object.__setattr__(self, "v_s", positive("Joint.v_s", self.v_s))
+        if not self.q_min < self.q_max:
+            raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
         object.__setattr__(self, "MS", exactly("Joint.MS", self.MS, (3,)))
         inertia = exactly("Joint.I", self.I, (3, 3))
         if not np.allclose(inertia, inertia.T, rtol=0, atol=1e-12 * np.abs(inertia).max()):
@@ -74,6 +88,10 @@ class Tip:
 class Leg:
     """A rigid tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
 
+    `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
+    solutions they name the branch, where it has no closed form they start Newton's method; without
+    them it is the leg type's first branch, and zeros.
+
     Raises InputError where the tree has a loop or a tip is on no link.
     """
 
@@ -81,6 +99,7 @@ class Leg:
     origin: Given
     joints: tuple[Joint, ...]
     tips: tuple[Tip, ...]
+    posture: Given = None
 
     def __post_init__(self) -> None:
         rotation = exactly("Leg.rotation", self.rotation, (3, 3))
@@ -99,6 +118,8 @@ class Leg:
         for tip in self.tips:
             if not 1 <= tip.frame <= len(self.joints):
                 raise InputError(f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}")
+        if self.posture is not None:
+            object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
 
     @property
     def structure(self) -> tuple[object, ...]:
