@@ -18,7 +18,7 @@ import parflex as pf
 from parflex import cartesian
 from parflex.compiled import kernels
 from parflex.compiled.vm import trace
-from parflex.state import coordinates, pack
+from parflex.state import coordinates
 
 ROUNDS, CALLS, BATCH = 30, 100, 1000
 warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")
@@ -43,7 +43,7 @@ def measure(modes: int) -> dict[str, float]:
     robot = pf.robots.gough_stewart(modes)
     vm, reference = pf.Model(robot, "vm"), pf.Model(robot, "numpy")
     state, forces = reference.static(*robot.home_pose)
-    x, u, c = pack(state, modes), forces.copy(), vm.compiled()
+    x, u, c = vm.flat(state), forces.copy(), vm.compiled()
     out, target, back = np.zeros(6 + modes), np.zeros(6), np.zeros(6 + modes)
     many = pf.State(np.tile(state.position, (BATCH, 1)), state.rotation, elastic=state.elastic)
     variants = {
@@ -52,7 +52,7 @@ def measure(modes: int) -> dict[str, float]:
         "direct, vm, call": (lambda: vm.direct(state, u), 10),
         "direct, numpy, call": (lambda: reference.direct(state, u), 1),
         "direct, paper's Eqs. 44-49, numpy": (
-            lambda: cartesian.direct(robot, coordinates(x, modes), u),
+            lambda: cartesian.direct(robot, coordinates(x, robot.layout), u),
             1,
         ),
     }

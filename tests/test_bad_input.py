@@ -66,10 +66,6 @@ CASES = {
         lambda: pf.Leg(UPRIGHT, (0, 0, 0), leg().joints, (pf.Tip(4),)),
         "Tip.frame is 4; this leg has links 1 … 3",
     ),
-    "unknown leg type": (
-        lambda: pf.Robot((leg(alpha=0.3),), nodes()),
-        r"legs\[0\] is a RRP\* chain whose table fits no leg type.*known types: UPS",
-    ),
     "fewer attachments than legs": (
         lambda: pf.robots.gough_stewart(
             platform=pf.FlexibleBody.rigid(1.0, (0, 0, 0), np.eye(3), np.eye(5, 3))
@@ -274,7 +270,7 @@ def soft_model(model_of, factor):
 @pytest.mark.parametrize("backend", ["numpy", "vm"])
 def test_dynamic_singularity_is_said(model_of, backend):
     """Where det J_sys and det J_p (Eqs. 21, 48) differ in sign, the platform bends so much that it
-    accelerates against its actuators: the inverse model refuses, the direct model does not."""
+    accelerates against its actuators: the inverse model warns, the direct model does not."""
     model = model_of(9, backend)
     robot, rng = model.robot, np.random.default_rng(2)
     turn = Rotation.from_rotvec(rng.uniform(-0.3, 0.3, (200, 3))).as_matrix()
@@ -284,12 +280,12 @@ def test_dynamic_singularity_is_said(model_of, backend):
     wrong = np.flatnonzero(ratio < 0)
     assert 5 <= len(wrong) <= 50
     for i in wrong[:5]:
-        with pytest.raises(pf.SingularPose, match="pose is a dynamic singularity.*against its actuators"):
+        with pytest.warns(pf.DynamicSingularity, match="pose lies beyond a dynamic.*against its actuators"):
             model.inverse(states[i], np.zeros(6))
         assert np.all(np.isfinite(model.direct(states[i], np.zeros(6)).platform))
     for i in np.flatnonzero(ratio > 0)[:20]:
         model.inverse(states[i], np.zeros(6))
-    with pytest.raises(pf.SingularPose, match=f"pose at index {wrong[0]} is a dynamic"):
+    with pytest.warns(pf.DynamicSingularity, match=f"pose at index {wrong[0]} lies beyond a dynamic"):
         model.inverse(states, np.zeros(6))
 
 

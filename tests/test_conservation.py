@@ -6,7 +6,7 @@ import pytest
 import parflex as pf
 from parflex.array import mv
 from parflex.platform import platform_terms
-from parflex.state import State, coordinates, pack
+from parflex.state import Layout, State, coordinates, pack
 
 MOMENTUM = 1e-11  # over 2 s at rtol 1e-12
 BALANCE = 1e-10  # of the largest term, at rtol 1e-10
@@ -41,7 +41,7 @@ def test_free_platform_keeps_its_momentum(kind):
     assert not run.partial
     data = run.dataset
     x = coordinates(pack(State(*(data[n].values for n in (
-        "position", "rotation", "twist", "elastic", "elastic_rate"))), N), N)  # fmt: skip
+        "position", "rotation", "twist", "elastic", "elastic_rate"))), Layout(N)), Layout(N))  # fmt: skip
     terms = platform_terms(body, x.twist[:, 3:], x.elastic, x.elastic_rate, np.zeros(3))
     h = mv(terms.A_rr, x.twist) + mv(terms.A_re, x.elastic_rate)
     linear = mv(x.rotation, h[:, :3])

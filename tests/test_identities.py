@@ -7,7 +7,8 @@ import parflex as pf
 from conftest import MODES, random_forces, random_states, relative
 from parflex import assembly, cartesian, chain, dynamics, kinematics
 from parflex.array import join, mtv, mv, transpose
-from parflex.state import coordinates, pack
+from parflex.compiled import kernels
+from parflex.state import coordinates
 
 SAME = 1e-12  # the same quantity by another order of operations
 SOLVED = 1e-10  # forces recovered through a solve of condition some 1e4
@@ -20,7 +21,7 @@ def case(request, model_of):
     model = model_of(request.param)
     state = random_states(model.robot, STATES, seed=request.param)
     forces = random_forces(model, STATES, seed=100 + request.param)
-    return model, state, forces, coordinates(pack(state, request.param), request.param)
+    return model, state, forces, coordinates(model.flat(state), model.robot.layout)
 
 
 def test_contact_form_is_the_cartesian_form(case):
@@ -62,9 +63,7 @@ def test_partial_output_is_reached_with_the_shortest_forces(case):
     target = model.direct(state, forces).platform[:, rows]
     found = model.inverse(state, target, pf.FrameOutput(rows))
     assert relative(model.direct(state, found.forces).platform[:, rows], target) <= SOLVED
-    gain = model.function("inverse", pf.FrameOutput(rows))(
-        pack(state, model.robot.platform.modes), target, np.zeros(6 + model.robot.platform.modes)
-    )[4].reshape(STATES, 3, 6)
+    gain = model.function(kernels.gains, pf.FrameOutput(rows))(model.flat(state))[0].reshape(STATES, 3, 6)
     null = np.linalg.svd(gain)[2][:, 3:]
     assert relative(mv(null, found.forces), np.zeros((STATES, 3))) <= SOLVED * np.max(np.abs(found.forces))
 
@@ -87,7 +86,7 @@ def test_batch_is_the_loop(case, model_of, backend):
     for i in (0, 7, STATES - 1):
         for whole, one in zip(batch, model.direct(state[i], forces[i]), strict=True):
             assert relative(whole[i], one) <= SAME
-    folded = pf.State(*(np.reshape(a, (4, 25, *np.shape(a)[1:])) for a in state._arrays()))
+    folded = pf.State(*(np.reshape(a, (4, 25, *np.shape(a)[1:])) for a, _ in state._arrays()))
     again = model.direct(folded, forces.reshape(4, 25, -1))
     assert relative(again.platform.reshape(STATES, -1), batch.platform) <= SAME
 
@@ -127,7 +126,7 @@ def test_closure_and_leg_equations_hold(case):
     found = dynamics.direct_of(robot, system, forces, np.zeros(6 + robot.platform.modes))
     (leg,) = system.legs
     f = found.contact.reshape(STATES, 6, 3)
-    qdd = assembly.joint_accelerations(leg, forces[:, :, None], f)
+    (qdd,) = assembly.joint_accelerations(robot, system, forces, found.contact)
     W = np.concatenate([system.W_p, np.broadcast_to(system.W_e, (STATES, *system.W_e.shape))], axis=-2)
     tips = kinematics.point_acceleration(
         W, kinematics.stacked(system.points.h), found.platform, found.elastic
@@ -252,6 +251,9 @@ def test_leg_without_an_actuator(model_of):
     assert found.contact_forces.shape == (5, 7, 3)
     assert relative(model.inverse(state, found.platform).forces, forces) <= SOLVED
     assert (
-        relative(cartesian.direct(model.robot, coordinates(pack(state, 1), 1), forces)[0], found.platform)
+        relative(
+            cartesian.direct(model.robot, coordinates(model.flat(state), model.robot.layout), forces)[0],
+            found.platform,
+        )
         <= SAME
     )

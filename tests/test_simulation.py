@@ -12,7 +12,7 @@ import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
-from parflex.state import coordinates, pack
+from parflex.state import Layout, coordinates, pack
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
 TIMES = np.linspace(0, 0.2, 21)
@@ -63,7 +63,7 @@ def test_tighter_tolerance_changes_little(model):
         x[:] = y
         c.direct(x, push, out)
         v, w = y[7:10], y[10:13]
-        R = coordinates(y, N).rotation
+        R = coordinates(y, Layout(N)).rotation
         turning = np.concatenate([np.cross(w, v), np.zeros(3)])
         return np.concatenate([R @ v, quaternion_rate(y[3:7], w), out[:6] - turning, y[16:19], out[6:9]])
 
@@ -284,7 +284,7 @@ def test_state_of_a_trajectory_packs(model):
     """`Sample.state` gives states of the batch, undeformed by default."""
     way = pf.Trajectory.through(model.robot.home, [((0.02, 0, 0), (0, 0, 0))], 0.5)
     states = way.sample(np.linspace(0, 1, 5)).state()
-    assert pack(states, 3).shape == (5, 19)
+    assert pack(states, Layout(3)).shape == (5, 19)
 
 
 def test_flat_calls_write_where_they_are_told(model):

@@ -8,7 +8,7 @@ model.direct(model.robot.home, forces)
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from parflex.errors import InputError, NotConverged, OutOfReach, SingularPose
+from parflex.errors import DynamicSingularity, InputError, NotConverged, OutOfReach, SingularPose
 
 if TYPE_CHECKING:
     from parflex import fe, robots
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from parflex.legs import Joint, Leg, Tip
     from parflex.model import Model
     from parflex.modes import Modes, Moments
-    from parflex.output import FrameOutput
+    from parflex.output import FrameOutput, PointOutput
     from parflex.result import Result, load_result
     from parflex.robot import Robot
     from parflex.simulation import simulate
@@ -37,6 +37,7 @@ _HOME = {  # loaded at first use, so that `import parflex` is quick
     "Model": "model",
     "Modes": "modes",
     "Moments": "modes",
+    "PointOutput": "output",
     "Result": "result",
     "Robot": "robot",
     "State": "state",
@@ -51,6 +52,7 @@ _MODULES = ("fe", "robots", "plot")
 __all__ = [
     "ComputedTorque",
     "Controller",
+    "DynamicSingularity",
     "FlexibleBody",
     "FrameOutput",
     "InputError",
@@ -62,6 +64,7 @@ __all__ = [
     "Moments",
     "NotConverged",
     "OutOfReach",
+    "PointOutput",
     "Result",
     "Robot",
     "SingularPose",

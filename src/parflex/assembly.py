@@ -8,6 +8,7 @@ from parflex import chain, kinematics
 from parflex.array import (
     Array,
     block_diagonal,
+    cross,
     join,
     merged,
     mtv,
@@ -19,13 +20,14 @@ from parflex.array import (
 )
 from parflex.chain import Frames
 from parflex.kinematics import PointMotion
+from parflex.legs.base import MARGINS, LegGroup
 from parflex.platform import PlatformTerms, platform_terms
-from parflex.robot import LegGroup, Robot
+from parflex.robot import Robot
 from parflex.state import Coordinates
 
 
 class LegTerms(NamedTuple):
-    """The model of the L legs of a group: A q̈ + c = S Γ − Jᵀ f; J and J̇q̇ resolved in Σp."""
+    """The model of the L legs of a group: A q̈ + c = S Γ − Jᵀ f; J, J̇q̇ and gaps resolved in Σp."""
 
     group: LegGroup
     joints: chain.Joints
@@ -35,11 +37,15 @@ class LegTerms(NamedTuple):
     c: Array  # (…, L, n)
     J: Array  # (…, L, 3t, n)
     Jdqd: Array  # (…, L, 3t)
+    gap: Array  # (…, L, 3t), from the platform's points to the tips; zero for closed legs
+    gap_rate: Array  # (…, L, 3t)
+    margins: tuple[Array, Array]  # (…, L)
 
 
 class System(NamedTuple):
     """Everything at one state; legs' tips in the order of the groups."""
 
+    x: Coordinates
     legs: list[LegTerms]
     points: PointMotion  # of the attachments that are held
     W_p: Array  # (…, 6, 3k)
@@ -60,7 +66,7 @@ def assemble(robot: Robot, x: Coordinates) -> System:
         last = first + group.attachments.size
         legs.append(leg_terms(robot, group, x, points.r[..., first:last, :], points.v[..., first:last, :]))
         first = last
-    return System(legs, points, W_p, W_e, platform)
+    return System(x, legs, points, W_p, W_e, platform)
 
 
 def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, r: Array, v: Array) -> LegTerms:
@@ -71,28 +77,35 @@ def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, r: Array, v: Array)
     R_ip = R_i0 @ x.rotation[..., None, None, :, :]
     place = kinematics.position_in_world(r, x).reshape(by_leg) - group.origin[:, None]
     place, velocity = mv(R_i0, place), mv(R_ip, v.reshape(by_leg))
-    joints = group.type.joints(group.chain, group.offsets, place)
+    joints = group.type.joints(group, place, x.q[..., group.carried])
     frames = chain.frames(group.chain, joints)
-    qd = group.type.rates(group.chain, frames, joints, place, velocity)
+    qd = group.type.rates(group, frames, joints, place, velocity, x.qd[..., group.carried])
     rest = np.zeros(group.chain.n)
     gravity = mtv(group.rotation, np.asarray(robot.gravity))
     motions = chain.link_motions(group.chain, frames, qd, rest, gravity)
     R_pi = transpose(R_ip[..., 0, :, :])
-    J, Jdqd = [], []
+    J, Jdqd, gap = [], [], []
     for t, j in enumerate(group.tip_frames):
         offset, (omega, omegad, vd) = group.offsets[:, t], motions[j]
         acceleration = mv(frames.R_0j[j], vd + chain.point_acceleration(omega, omegad, offset))
         J.append(R_pi @ chain.tip_jacobian(group.chain, frames, j, offset))  # Eqs. 1, 3
         Jdqd.append(mv(R_pi, acceleration + gravity))
+        gap.append(mv(R_pi, chain.tip_position(frames, j, offset) - place[..., t, :]))
+    by_tip = np.concatenate(J, axis=-2)
     return LegTerms(
         group,
         joints,
         frames,
         qd,
         A=chain.inertia_matrix(group.chain, frames),
-        c=chain.inverse_dynamics(group.chain, frames, motions, rest),
-        J=np.concatenate(J, axis=-2),
+        c=chain.inverse_dynamics(group.chain, frames, motions, rest)
+        + chain.friction(group.chain, qd)
+        + group.chain.k * chain.stretch(group.chain, joints),
+        J=by_tip,
         Jdqd=np.concatenate(Jdqd, axis=-1),
+        gap=np.concatenate(gap, axis=-1),
+        gap_rate=mv(by_tip, qd) - merged(v.reshape(by_leg)),
+        margins=group.type.margins(group, joints, place),
     )
 
 
@@ -112,12 +125,22 @@ def actuated_axes(robot: Robot, system: System) -> Array:
     return diagonal(parts)[..., robot.force_order]
 
 
-def leg_margins(system: System) -> Array:
-    """Reach and regularity of the legs' inverse geometry, (…, 2 legs) in the order of the groups."""
+def health(system: System) -> Array:
+    """What tells whether the state is one: reach and regularity of all legs, in the order of the
+    groups, then gaps and their rates at the tips of the legs that do not close by themselves."""
     parts = [np.zeros(0)]
     for leg in system.legs:
-        parts += leg.group.type.margins(leg.group.chain, leg.joints, leg.group.offsets)
+        parts += leg.margins
+    for leg in system.legs:
+        if not leg.group.closed:
+            parts += [merged(leg.gap), merged(leg.gap_rate)]
     return join(parts)
+
+
+def health_size(robot: Robot) -> int:
+    """Length of `health`."""
+    gaps = sum(6 * group.attachments.size for group in robot.groups if not group.closed)
+    return MARGINS * len(robot.legs) + gaps
 
 
 def joint_rates(robot: Robot, system: System) -> Array:
@@ -138,16 +161,61 @@ def actuated_positions(robot: Robot, system: System) -> Array:
 
 
 def joint_position(leg: LegTerms, j: int) -> Array:
-    """q_j (…, L) of the legs of a group."""
-    if leg.group.chain.sigma[j]:
-        return leg.joints.length[..., j]
-    return np.arctan2(leg.joints.sin[..., j], leg.joints.cos[..., j])
+    """q_j (…, L) of the legs of a group; angles in (−π, π]."""
+    return chain.joint_position(leg.group.chain, leg.joints, j, np.zeros(len(leg.group.legs)))
 
 
-def joint_accelerations(leg: LegTerms, forces: Array, f: Array) -> Array:
-    """q̈ (…, L, n) of a group from its actuator forces (…, L, m_i) and tip forces (…, L, 3t)."""
-    driving = mv(selection(leg.group), forces) - mtv(leg.J, f) - leg.c
-    return solve_definite(leg.A, driving[..., None])[..., 0]  # Eq. 7
+def joint_accelerations(robot: Robot, system: System, forces: Array, f: Array) -> list[Array]:
+    """q̈ (…, L, n) of each group from all actuator forces (…, m) and contact forces (…, 3k)."""
+    found, first = [], 0
+    for leg in system.legs:
+        group = leg.group
+        last = first + 3 * group.attachments.size
+        tips = f[..., first:last]
+        pull = tips.reshape(tips.shape[:-1] + (len(group.legs), 3 * len(group.tip_frames)))
+        driving = mv(selection(group), forces[..., group.forces]) - mtv(leg.J, pull) - leg.c
+        found.append(solve_definite(leg.A, driving[..., None])[..., 0])  # Eq. 7
+        first = last
+    return found
+
+
+def joint_reactions(robot: Robot, system: System, qdd: list[Array], f: Array) -> list[tuple[Array, Array]]:
+    """Force and moment (…, L, n, 3) that links receive through their joints, in their own axes."""
+    found, first = [], 0
+    for leg, acceleration in zip(system.legs, qdd, strict=True):
+        group = leg.group
+        gravity = mtv(group.rotation, np.asarray(robot.gravity))
+        motions = chain.link_motions(group.chain, leg.frames, leg.qd, acceleration, gravity)
+        force: list[Array] = [np.zeros(3)] * group.chain.n
+        moment = list(force)
+        R_ip = transpose(group.rotation) @ system.x.rotation[..., None, :, :]
+        by_leg = (len(group.legs), len(group.tip_frames), 3)
+        last = first + 3 * group.attachments.size
+        tips = f[..., first:last].reshape(f.shape[:-1] + by_leg)
+        for t, j in enumerate(group.tip_frames):
+            push = mtv(leg.frames.R_0j[j], mv(R_ip, tips[..., t, :]))
+            force[j], moment[j] = force[j] + push, moment[j] + cross(group.offsets[:, t], push)
+        passed = chain.reactions(group.chain, leg.frames, motions, chain.Reaction(force, moment))
+        found.append((stack(passed.force, axis=-2), stack(passed.moment, axis=-2)))
+        first = last
+    return found
+
+
+def carried_accelerations(robot: Robot, system: System, forces: Array, f: Array) -> Array:
+    """q̈ (…, n) of the joints that the state carries, in its order."""
+    return in_carried_order(robot, system, joint_accelerations(robot, system, forces, f))
+
+
+def carried_pull(robot: Robot, system: System, f: Array) -> Array:
+    """A⁻¹ Jᵀ f (…, n) of the joints that the state carries: what contact forces (…, 3k) do to them."""
+    bare = system._replace(legs=[leg._replace(c=0.0 * leg.c) for leg in system.legs])
+    return -carried_accelerations(robot, bare, np.zeros(robot.n_forces), f)
+
+
+def in_carried_order(robot: Robot, system: System, joints: list[Array]) -> Array:
+    """Of joints (…, L, n) by group, those that the state carries, in its order."""
+    parts = [merged(q) for leg, q in zip(system.legs, joints, strict=True) if leg.group.type.carries]
+    return join([np.zeros(0), *parts])[..., robot.carried_order]
 
 
 def diagonal(blocks: list[Array]) -> Array:

@@ -164,6 +164,15 @@ class FlexibleBody:
         )
         return replace(self, moments=moments)
 
+    def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
+        """Φ_d and Φ_r (3, N) of a node, or of a point (3,) m away from it that is fixed to it.
+
+        Rotations are zero where the body has no rotation shapes.
+        """
+        Phi_d = self.shapes[:, node].T
+        Phi_r = np.zeros_like(Phi_d) if self.rotation_shapes is None else self.rotation_shapes[:, node].T
+        return Phi_d + np.cross(Phi_r.T, np.asarray(offset)).T, Phi_r
+
     @property
     def modes(self) -> int:
         """N, the number of modes; 0 for a rigid body."""

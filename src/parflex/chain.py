@@ -33,6 +33,11 @@ class Chain:
     MS: Array  # (L, n, 3)
     I: Array  # (L, n, 3, 3), about the frame's origin  # noqa: E741 - the field's symbol
     IA: Array
+    Fv: Array
+    Fs: Array
+    v_s: Array
+    k: Array
+    q_0: Array
 
     @property
     def n(self) -> int:
@@ -45,7 +50,7 @@ class Chain:
 
 
 class Joints(NamedTuple):
-    """Joint variables as a closed form gives them: no angle, only its cosine and sine."""
+    """Joint variables as a closed form gives them: of an angle, its cosine and sine."""
 
     cos: Array  # (…, L, n); 1 for a prismatic joint
     sin: Array  # (…, L, n); 0 for a prismatic joint
@@ -85,6 +90,12 @@ def frame_in_antecedent(chain: Chain, j: int, joints: Joints) -> tuple[Array, Ar
         ]
     )
     return R, stack([d * cg + r * (sg * sa), d * sg - r * (cg * sa), r * ca + chain.b[:, j]])
+
+
+def placement(chain: Chain, j: int) -> tuple[Array, Array]:
+    """R_aj (L, 3, 3) and p_aj (L, 3) where the joint variable is zero."""
+    still = np.zeros(chain.r.shape)
+    return frame_in_antecedent(chain, j, Joints(still + 1.0, still, still))
 
 
 def frames(chain: Chain, joints: Joints) -> Frames:
@@ -140,24 +151,57 @@ def point_acceleration(omega: Array, omegad: Array, p: Array) -> Array:
     return cross(omegad, p) + cross(omega, cross(omega, p))
 
 
-def inverse_dynamics(chain: Chain, frame: Frames, motions: list[Motion], qdd: Array) -> Array:
-    """Joint torques τ (…, L, n) = A q̈ + c of the open trees: the backward recursion."""
-    force: list[Array] = []
-    moment: list[Array] = []
+class Reaction(NamedTuple):
+    """Force and moment (about the frame's origin) that each link receives through its joint."""
+
+    force: list[Array]
+    moment: list[Array]
+
+
+def reactions(chain: Chain, frame: Frames, motions: list[Motion], tips: "Reaction") -> Reaction:
+    """The backward recursion; `tips` are the wrenches that the links give to the platform."""
+    force, moment = list(tips.force), list(tips.moment)
     for j, (omega, omegad, vd) in enumerate(motions):
         MS, inertia = chain.MS[:, j], chain.I[:, j]
-        force.append(chain.M[:, j, None] * vd + point_acceleration(omega, omegad, MS))
-        moment.append(mv(inertia, omegad) + cross(omega, mv(inertia, omega)) + cross(MS, vd))
-    torque: list[Array] = [np.zeros(())] * chain.n
+        force[j] = force[j] + chain.M[:, j, None] * vd + point_acceleration(omega, omegad, MS)
+        moment[j] = moment[j] + mv(inertia, omegad) + cross(omega, mv(inertia, omega)) + cross(MS, vd)
     for j in reversed(range(chain.n)):
-        axial = force[j][..., 2] if chain.sigma[j] else moment[j][..., 2]
-        torque[j] = axial + chain.IA[:, j] * qdd[..., j]
         a = chain.antecedent[j]
         if a >= 0:
             passed = mv(frame.R_aj[j], force[j])
             force[a] = force[a] + passed
             moment[a] = moment[a] + mv(frame.R_aj[j], moment[j]) + cross(frame.p_aj[j], passed)
+    return Reaction(force, moment)
+
+
+def inverse_dynamics(chain: Chain, frame: Frames, motions: list[Motion], qdd: Array) -> Array:
+    """Joint torques τ (…, L, n) = A q̈ + c of the open trees, without friction and springs."""
+    free = [np.zeros(3)] * chain.n
+    force, moment = reactions(chain, frame, motions, Reaction(free, free))
+    torque: list[Array] = [np.zeros(())] * chain.n
+    for j, slides in enumerate(chain.sigma):
+        axial = slides * force[j][..., 2] + (1 - slides) * moment[j][..., 2]
+        torque[j] = axial + chain.IA[:, j] * qdd[..., j]
     return stack(torque)
+
+
+def friction(chain: Chain, qd: Array) -> Array:
+    """Viscous and smoothed Coulomb friction (…, L, n), against the motion."""
+    return chain.Fv * qd + chain.Fs * qd / np.sqrt(qd * qd + chain.v_s * chain.v_s)
+
+
+def stretch(chain: Chain, joints: Joints) -> Array:
+    """q − q_0 (…, L, n) of the springs: for revolute joints the angle in (−π, π]."""
+    return stack([joint_position(chain, joints, j, chain.q_0[:, j]) for j in range(chain.n)])
+
+
+def joint_position(chain: Chain, joints: Joints, j: int, reference: Array) -> Array:
+    """q_j less a constant reference (L,): (…, L), for a revolute joint an angle in (−π, π]."""
+    if chain.sigma[j]:
+        return joints.length[..., j] - reference
+    c0, s0 = exact_cos_sin(reference)
+    c, s = joints.cos[..., j], joints.sin[..., j]
+    return np.arctan2(s * c0 - c * s0, c * c0 + s * s0)
 
 
 def inertia_matrix(chain: Chain, frame: Frames) -> Array:
@@ -172,7 +216,8 @@ def inertia_matrix(chain: Chain, frame: Frames) -> Array:
         moment = slide * cross(MS[j], E_Z) + turn * inertia[j][..., :, 2]
         k = j
         while k >= 0:
-            entry[j, k] = entry[k, j] = force[..., 2] if chain.sigma[k] else moment[..., 2]
+            axial = chain.sigma[k] * force[..., 2] + (1 - chain.sigma[k]) * moment[..., 2]
+            entry[j, k] = entry[k, j] = axial
             force, moment = mv(frame.R_aj[k], force), mv(frame.R_aj[k], moment)
             moment = moment + cross(frame.p_aj[k], force)
             k = chain.antecedent[k]

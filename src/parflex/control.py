@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +11,10 @@ from numpy.typing import ArrayLike
 from parflex import singular
 from parflex.array import Array, Given
 from parflex.check import finite, of_type
+from parflex.compiled import kernels
 from parflex.errors import InputError
 from parflex.output import FrameOutput
-from parflex.state import State, pack, unpack
+from parflex.state import State, unpack
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -32,6 +33,10 @@ class Law(ABC):
         """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the
         external generalised force w (6 + N,)."""
 
+    def watch(self, x: Array) -> None:
+        """Raise SingularPose where the motion that has led to a flat state crossed a singularity."""
+        return
+
     def explain(self) -> str:
         """Why the motion may have failed after the last call; empty where the law knows nothing."""
         return ""
@@ -41,7 +46,7 @@ class Driven(Law):
     """A law that gives forces only; the direct model turns them into motion."""
 
     def __init__(self, model: "Model") -> None:
-        function = model.function("derivative")
+        function = model.function(kernels.derivative)
         self._inputs = [np.zeros(n) for n in function.kernel.inputs]
         self._results = [np.zeros(n) for n in function.kernel.outputs]
         self._run = function.bind(self._inputs, self._results)
@@ -51,8 +56,8 @@ class Driven(Law):
         for own, given in zip(self._inputs, (x, self(t, x), w), strict=True):
             own[:] = given
         self._run()
-        moved, powers, margins = self._results
-        singular.check_legs(self._robot, margins)
+        moved, powers, health = self._results
+        singular.check_legs(self._robot, health)
         return moved, powers
 
 
@@ -71,13 +76,20 @@ class ComputedTorque(Controller):
     """Forces from the inverse model along a trajectory, with feedback of the platform's pose.
 
     V̇ = V̇_d + kd (V_d − V) + kp e, with e the position and rotation error of Σp; kp (1/s²) and kd
-    (1/s) are scalars or (6,). With zero gains this is the paper's Fig. 3.
+    (1/s) are scalars or (6,). With zero gains this is the paper's Fig. 3. A robot of fewer freedoms
+    follows the rows of `output`, as many as it has; one with more actuators stays nearest to
+    `preload` (m,).
+
+    A run that starts beyond a dynamic singularity of the output, where this control is unstable,
+    warns of it (DynamicSingularity).
     """
 
     model: "Model"
     trajectory: Trajectory
     kp: Given = 0.0
     kd: Given = 0.0
+    output: FrameOutput = field(default_factory=FrameOutput)
+    preload: Given = 0.0
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -86,54 +98,58 @@ class ComputedTorque(Controller):
                 raise InputError(f"ComputedTorque.{name} is {gain}; give one value ≥ 0, or six")
             object.__setattr__(self, name, gain)
         of_type("ComputedTorque.trajectory", self.trajectory, Trajectory)
-        actuators, rows = self.model.robot.n_forces, FrameOutput().size
-        if actuators < rows:
+        of_type("ComputedTorque.output", self.output, FrameOutput)
+        m = self.model.robot.n_forces
+        preload = finite("ComputedTorque.preload", self.preload)
+        if preload.shape not in ((), (m,)):
+            raise InputError(f"ComputedTorque.preload has shape {preload.shape}; give ({m},)")
+        object.__setattr__(self, "preload", preload)
+        if m < self.output.size:
             raise InputError(
-                f"ComputedTorque follows {rows} freedoms, but the robot has {actuators} actuators; "
-                f"use JointPD or a function of your own"
+                f"ComputedTorque follows {self.output.size} freedoms, but the robot has {m} actuators; "
+                f"name as many with output=FrameOutput(rows=…), or use JointPD or a function of your own"
             )
 
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
-        modes = self.model.robot.platform.modes
-        return self.bind(self.model)(t, pack(state, modes))
+        return self.bind(self.model)(t, self.model.flat(state))
 
     def bind(self, model: "Model") -> Law:
         same_model(self.model, model)
-        return Tracking(
-            model, self.trajectory, np.concatenate([np.zeros(6) + self.kp, np.zeros(6) + self.kd])
-        )
+        return Tracking(model, self)
 
 
 class Tracking(Law):
     """Computed torque: inverse and direct model in one kernel, on buffers of its own."""
 
-    def __init__(self, model: "Model", trajectory: Trajectory, gains: Array) -> None:
-        output = FrameOutput()
-        function = model.function("tracking", output)
+    def __init__(self, model: "Model", control: ComputedTorque) -> None:
+        function = model.function(kernels.tracking, control.output)
         self._inputs = [np.zeros(n) for n in function.kernel.inputs]
         self._results = [np.zeros(n) for n in function.kernel.outputs]
         self._run = function.bind(self._inputs, self._results)
-        self._inputs[2][:] = gains
-        self._robot, self._trajectory = model.robot, trajectory
-        self._watch = singular.Watch(model.robot, output)
+        self._inputs[2][:] = np.concatenate([np.zeros(6) + control.kp, np.zeros(6) + control.kd])
+        self._inputs[4][:] = control.preload
+        self._robot, self._trajectory = model.robot, control.trajectory
+        self._watch = singular.Watch(model, control.output)
 
     def __call__(self, t: float, x: Array) -> Array:
         self.rate(t, x, np.zeros_like(self._inputs[3]))
         return self._results[0]
 
     def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
-        own_x, wanted, _, own_w = self._inputs
-        _, gain, Jp_invT, moved, powers, margins = self._results
+        own_x, wanted, _, own_w, _ = self._inputs
+        _, moved, powers, health = self._results
         own_x[:], own_w[:] = x, w
         np.concatenate([part.reshape(-1) for part in self._trajectory.at(np.asarray(t))], out=wanted)
         self._run()
-        singular.check_legs(self._robot, margins)
-        self._watch.look(gain, Jp_invT)
+        singular.check_legs(self._robot, health)
         return moved, powers
 
+    def watch(self, x: Array) -> None:
+        self._watch.look(x)
+
     def explain(self) -> str:
-        return self._watch.explain(*self._results[1:3])
+        return self._watch.explain()
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,20 +187,25 @@ class Springs(Driven):
 
     def __init__(self, model: "Model", control: JointPD) -> None:
         super().__init__(model)
-        function = model.function("actuators")
+        function = model.function(kernels.actuators)
         self._x = np.zeros(function.kernel.inputs[0])
         self._q, self._qd = (np.zeros(n) for n in function.kernel.outputs)
         self._trigger = function.bind([self._x], [self._q, self._qd])
         self._control = control
-        self._x[:] = pack(control.reference, model.robot.platform.modes)
+        self._x[:] = model.flat(control.reference)
         self._trigger()
         self._wanted = self._q.copy()
+        joints = [joint for leg in model.robot.legs for joint in leg.joints if joint.mu]
+        self._turn = np.array([0.0 if joint.sigma else 2 * np.pi for joint in joints])
+        self._turns = np.array([0.0 if joint.sigma else 1 / (2 * np.pi) for joint in joints])
 
     def __call__(self, t: float, x: Array) -> Array:
         self._x[:] = x
         self._trigger()
         c = self._control
-        return c.forces + c.kp * (self._wanted - self._q) - c.kd * self._qd
+        ahead = self._wanted - self._q
+        ahead = ahead - self._turn * np.round(ahead * self._turns)  # angles are known up to full turns
+        return c.forces + c.kp * ahead - c.kd * self._qd
 
 
 class Called(Driven):
@@ -192,10 +213,10 @@ class Called(Driven):
 
     def __init__(self, model: "Model", function: Callable[[float, State], ArrayLike]) -> None:
         super().__init__(model)
-        self._function, self._modes = function, model.robot.platform.modes
+        self._function, self._layout = function, model.robot.layout
 
     def __call__(self, t: float, x: Array) -> Array:
-        found = finite("controller(t, state)", self._function(t, unpack(x, self._modes)))
+        found = finite("controller(t, state)", self._function(t, unpack(x, self._layout)))
         m = self._robot.n_forces
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")

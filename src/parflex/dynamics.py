@@ -6,10 +6,12 @@ Closure:   J q̈ + J̇q̇ = Wᵀ (V̇_p, q̈_e) + h
 
 Eliminating the accelerations leaves
 (Wᵀ M_p⁻¹ W + J A⁻¹ Jᵀ) f = J A⁻¹ (S Γ − c) + J̇q̇ − h + Wᵀ M_p⁻¹ (c_p − w),
-positive definite for any number of modes, without J⁻¹. It equals Eqs. 36–49 (`cartesian.py`).
+positive definite for any number of modes, without J⁻¹. It equals Eqs. 36–49 (`cartesian.py`), and
+holds for legs of any kind. Rows of the closure that depend on others are left out of the solution;
+the contact forces are then those of least norm.
 """
 
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,8 +27,9 @@ from parflex.array import (
     solve_least_norm,
     transpose,
 )
-from parflex.assembly import System, actuated_axes, assemble, diagonal, selection
+from parflex.assembly import System, assemble, diagonal, selection
 from parflex.body import FlexibleBody
+from parflex.output import Output
 from parflex.robot import Robot
 from parflex.state import Coordinates
 
@@ -44,6 +47,7 @@ class Contact(NamedTuple):
 
     inertia: MobileInertia
     C: Array  # (…, 3k, 3k)
+    compliance: Array  # (…, 3k, 3k), the legs' part of C
     rhs: Array  # (…, 3k)
     JAS: Array  # (…, 3k, m)
     c_s: Array  # (…, 6), c_r − E c_e
@@ -59,23 +63,11 @@ class Acceleration(NamedTuple):
 
 
 class Inverse(NamedTuple):
-    """Γ (…, m), the accelerations that go with it, ∂output/∂Γ (…, o, m), J_p⁻ᵀ (…, 6, m)."""
+    """Γ (…, m), the accelerations that go with it, ∂output/∂Γ (…, o, m)."""
 
     forces: Array
     acceleration: Acceleration
     gain: Array
-    Jp_invT: Array
-
-
-class Output(Protocol):
-    """What the inverse model prescribes: linear in the accelerations."""
-
-    @property
-    def size(self) -> int:
-        """o, the number of rows."""
-
-    def linear(self, Vd: Array, qdd_e: Array) -> Array:
-        """Its part that is linear in V̇_p (…, 6, c) and q̈_e (…, N, c): (…, o, c)."""
 
 
 def direct(robot: Robot, x: Coordinates, forces: Array, wrench: Array) -> Acceleration:
@@ -90,32 +82,69 @@ def direct_of(robot: Robot, system: System, forces: Array, wrench: Array) -> Acc
     """The direct model of an assembled system."""
     contact = contact_system(robot, system, wrench)
     rhs = contact.rhs + mv(contact.JAS, forces)
-    f = solve_definite(contact.C, rhs[..., None])[..., 0]
+    f = contact_forces(robot, contact.C, rhs[..., None])[..., 0]
     return accelerations(robot.platform, system, contact, f)
 
 
-def inverse(robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output) -> Inverse:
+def inverse(
+    robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output, preload: Array | None = None
+) -> Inverse:
     """The inverse dynamic model: Γ for a wanted output acceleration (…, o).
 
     The model is affine in Γ: one factorisation serves Γ = 0 and the columns of S; the map from Γ
-    to the output is then solved, with least norm where there are more actuators than outputs.
+    to the output is then solved. Where there are more actuators than outputs Γ is the nearest to
+    `preload` (…, m), by default the shortest.
     """
-    return inverse_of(robot, assemble(robot, x), target, wrench, output)
+    preload = np.zeros(robot.n_forces) if preload is None else preload
+    return inverse_of(robot, assemble(robot, x), target, wrench, output, preload)
 
 
-def inverse_of(robot: Robot, system: System, target: Array, wrench: Array, output: Output) -> Inverse:
+def inverse_of(
+    robot: Robot, system: System, target: Array, wrench: Array, output: Output, preload: Array
+) -> Inverse:
     """The inverse model of an assembled system."""
     contact = contact_system(robot, system, wrench)
     columns = np.concatenate([contact.rhs[..., None], contact.JAS], axis=-1)
-    f = solve_definite(contact.C, columns)
+    f = contact_forces(robot, contact.C, columns)
     f_0, F = f[..., 0], f[..., 1:]
     free = accelerations(robot.platform, system, contact, f_0)
-    gain = output.linear(*acceleration_map(robot.platform, system, contact, F))
-    reached = output.linear(free.platform[..., None], free.elastic[..., None])[..., 0]
-    forces = solve_least_norm(gain, target - reached)
+    body, x = robot.platform, system.x
+    gain = output.linear(body, x, *acceleration_map(body, system, contact, F))
+    reached = output.linear(body, x, free.platform[..., None], free.elastic[..., None])[..., 0]
+    reached = reached + output.drift(body, x) + mv(gain, preload)
+    forces = preload + solve_least_norm(gain, target - reached)
     driven = accelerations(robot.platform, system, contact, f_0 + mv(F, forces))
-    Jp_invT, _ = kinematics.actuator_jacobian(system.W_p, system.W_e, actuated_axes(robot, system))
-    return Inverse(forces, driven, gain, Jp_invT)
+    return Inverse(forces, driven, gain)
+
+
+def gains(robot: Robot, system: System, output: Output) -> tuple[Array, Array]:
+    """∂output/∂Γ (…, o, m), and what it would be if the platform could not bend."""
+    contact = contact_system(robot, system, np.zeros(6 + robot.platform.modes))
+    F = contact_forces(robot, contact.C, contact.JAS)
+    body = robot.platform
+    flexible = output.linear(body, system.x, *acceleration_map(body, system, contact, F))
+    A_rr, W_p = system.platform.A_rr, system.W_p
+    C = transpose(W_p) @ solve_definite(A_rr, W_p) + contact.compliance
+    Vd = solve_definite(A_rr, W_p @ contact_forces(robot, C, contact.JAS))
+    still = np.zeros(Vd.shape[:-2] + (body.modes, Vd.shape[-1]))
+    return flexible, output.linear(body, system.x, Vd, still)
+
+
+def contact_forces(robot: Robot, C: Array, columns: Array) -> Array:
+    """f (…, 3k, c) with C f = columns (…, 3k, c): of least norm where rows depend on others.
+
+    Dependent rows are D times the independent ones, D = C_ds C_ss⁻¹, so that (f_s, f_d) acts as
+    f_s + Dᵀ f_d; the shortest pair with the same action has f_d = D f_s.
+    """
+    kept, dropped, order = robot.rows
+    C_s = C[..., kept, :]
+    right = np.concatenate([columns[..., kept, :], C_s[..., dropped]], axis=-1)
+    solved = solve_definite(C_s[..., kept], right)
+    count = columns.shape[-1]
+    f, D = solved[..., :count], transpose(solved[..., count:])
+    excess = solve_definite(np.eye(len(dropped)) + D @ transpose(D), D @ f)
+    f = f - transpose(D) @ excess
+    return np.concatenate([f, D @ f], axis=-2)[..., order, :]
 
 
 def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
@@ -144,9 +173,8 @@ def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
         drift.append(merged(by_tip))
     JAS = diagonal(driven)[..., robot.force_order]
     empty = np.zeros(0)
-    return Contact(
-        MobileInertia(E, A_s, B), C + diagonal(compliance), rhs + join([empty, *drift]), JAS, c_s, c_e
-    )
+    legs = diagonal(compliance)
+    return Contact(MobileInertia(E, A_s, B), C + legs, legs, rhs + join([empty, *drift]), JAS, c_s, c_e)
 
 
 def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array) -> Acceleration:

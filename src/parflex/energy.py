@@ -1,4 +1,4 @@
-"""Kinetic, gravitational and strain energy of a robot."""
+"""Kinetic, gravitational and strain energy of a robot, and that of its joints' springs."""
 
 import numpy as np
 
@@ -9,8 +9,9 @@ from parflex.robot import Robot
 from parflex.state import Coordinates
 
 
-def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array]:
-    """Kinetic (rotors included), gravitational (zero at the world's origin) and strain energy, J.
+def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array, Array]:
+    """Kinetic (rotors included), gravitational (zero at the world's origin), strain energy, and that
+    of the joints' springs, J.
 
     For a state or a batch of them: (…,) each.
     """
@@ -18,6 +19,7 @@ def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array]:
     kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
     moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
     weight = -dot(gravity, body.tables.m * x.position + mv(x.rotation, moment))
+    springs = np.zeros(())
     for leg in assembly.assemble(robot, x).legs:
         group = leg.group
         kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)
@@ -25,4 +27,6 @@ def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array]:
         above = chain.potential_energy(group.chain, leg.frames, in_base)
         mass = np.sum(group.chain.M, axis=-1)
         weight = weight + np.sum(above - mass * dot(gravity, group.origin), axis=-1)
-    return kinetic, weight, strain
+        stretch = chain.stretch(group.chain, leg.joints)
+        springs = springs + 0.5 * np.sum(group.chain.k * stretch * stretch, axis=(-2, -1))
+    return kinetic, weight, strain, springs

@@ -15,3 +15,8 @@ class SingularPose(InputError):
 
 class NotConverged(InputError):
     """An iteration that did not reach its tolerance."""
+
+
+class DynamicSingularity(UserWarning):
+    """The pose lies beyond a dynamic singularity: the platform bends so much that it accelerates
+    against its actuators, and feedback of that output would be unstable."""

@@ -70,12 +70,15 @@ def actuator_jacobian(W_p: Array, W_e: Array, axes: Array) -> tuple[Array, Array
     return W_p @ axes, W_e @ axes  # Eqs. 19, 20, 21, 33
 
 
-def node_wrench_map(body: FlexibleBody, node: int, q_e: Array) -> Array:
-    """W_a (…, 6 + N, 6): a wrench (F, N) at a node, in Σp, to the platform's generalised forces."""
-    Phi_d = body.shapes[:, node].T
-    rotations = np.zeros_like(body.shapes) if body.rotation_shapes is None else body.rotation_shapes
-    Phi_r = rotations[:, node].T  # Eq. 16
-    r = body.nodes[node] + mv(Phi_d, q_e)
+def node_wrench_map(
+    body: FlexibleBody, node: int, q_e: Array, offset: tuple[float, ...] = (0.0, 0.0, 0.0)
+) -> Array:
+    """W_a (…, 6 + N, 6): a wrench (F, N), in Σp, to the platform's generalised forces.
+
+    It acts on a node, or on a point fixed to the node at an offset (3,) m.
+    """
+    Phi_d, Phi_r = body.shapes_at(node, offset)  # Eq. 16
+    r = body.nodes[node] + np.asarray(offset) + mv(Phi_d, q_e)
     one, zero = np.eye(3), np.zeros((3, 3))
     return block([[one, zero], [skew(r), one], [Phi_d.T, Phi_r.T]])
 

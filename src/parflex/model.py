@@ -1,13 +1,14 @@
 """The dynamic models of a robot, on the backend of one's choice: the comfortable door."""
 
+import warnings
 from collections.abc import Callable, Sequence
 from threading import Lock
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex import assembly, cartesian, singular
+from parflex import assembly, cartesian, closure, geometry, singular
 from parflex.array import Array
 from parflex.cartesian import Cartesian
 from parflex.check import finite, of_type
@@ -15,11 +16,15 @@ from parflex.compiled import choose, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
-from parflex.errors import InputError
-from parflex.output import FrameOutput
+from parflex.errors import DynamicSingularity, InputError
+from parflex.mobility import Mobility, mobility
+from parflex.output import FrameOutput, Output
 from parflex.robot import Robot
-from parflex.state import Coordinates, State, Wrench, coordinates, pack
+from parflex.state import State, Wrench, coordinates, unpack
 from parflex.wrench import generalised_force
+
+if TYPE_CHECKING:
+    from parflex.zero_dynamics import OutputReport
 
 
 class Accelerations(NamedTuple):
@@ -47,6 +52,17 @@ class Forces(NamedTuple):
     contact_forces: Array
 
 
+class Reactions(NamedTuple):
+    """What each link receives through its joint, in the axes of its own frame; one entry per leg.
+
+    force (…, n_i, 3) N, moment (…, n_i, 3) N m about the frame's origin. Along the joint's axis it
+    holds the actuator's force less friction, spring and rotor.
+    """
+
+    force: tuple[Array, ...]
+    moment: tuple[Array, ...]
+
+
 class Legs(NamedTuple):
     """Joint positions and rates, one (…, n_i) per leg; m and rad."""
 
@@ -60,6 +76,9 @@ class Model:
     backend is "numpy" (the readable reference), "vm" (CasADi's virtual machine) or "auto", the
     fastest there is. Nothing is traced before the first call. Immutable, shared by threads.
 
+    States must be on the closure of the legs, which for robots of fewer than six freedoms is a
+    condition (`project` finds the nearest); joints that are carried in the state are closed here.
+
     Raises InputError for an unknown backend.
     """
 
@@ -72,15 +91,18 @@ class Model:
     def direct(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
-        Leading axes of state, forces and wrenches broadcast. Raises InputError for wrong shapes,
-        OutOfReach and SingularPose where a leg's inverse geometry fails.
+        Leading axes of state, forces and wrenches broadcast. Where contact forces are not unique
+        (see `mobility`) they are the shortest.
+
+        Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
+        where a leg's inverse geometry fails or the closure loses a row.
         """
-        x = self._pack(state)
+        x = self.flat(state)
         u = finite("forces", forces, (self.robot.n_forces,))
         w = generalised_force(self.robot.platform, state, wrenches)
         check_batch(x, u, w, "forces")
-        Vd, qdd_e, f, margins = self.function("direct")(x, u, w)
-        singular.check_legs(self.robot, margins)
+        Vd, qdd_e, f, health = self.function(kernels.direct)(x, u, w)
+        self._check(x, health)
         singular.check_finite(Vd)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
@@ -88,30 +110,34 @@ class Model:
         self,
         state: State,
         target: ArrayLike,
-        output: FrameOutput | None = None,
+        output: Output | None = None,
         wrenches: Sequence[Wrench] = (),
+        preload: ArrayLike | None = None,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
-        The output is all of V̇_p by default. Raises InputError for wrong shapes or fewer actuators
-        than outputs, OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic.
+        The output is all of V̇_p by default; with fewer freedoms name independent rows,
+        `FrameOutput(rows=…)`, or a material point, `PointOutput`. With more actuators than outputs
+        the forces are the nearest to preload (…, m), by default the shortest.
+
+        Raises InputError for wrong shapes, states off the closure, or fewer actuators than outputs,
+        OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
+        beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        output = FrameOutput() if output is None else output
-        of_type("output", output, FrameOutput)
-        x = self._pack(state)
+        output = self._output(output)
+        x, m = self.flat(state), self.robot.n_forces
         wanted = finite("target", target, (output.size,))
-        if self.robot.n_forces < output.size:
-            raise InputError(
-                f"output asks for {output.size} accelerations, but the robot has "
-                f"{self.robot.n_forces} actuators; name as many with FrameOutput(rows=…)"
-            )
         w = generalised_force(self.robot.platform, state, wrenches)
+        bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
         check_batch(x, wanted, w, "target")
-        found = self.function("inverse", output)(x, wanted, w)
-        forces, Vd, qdd_e, f, gain, Jp_invT, margins = found
-        singular.check_legs(self.robot, margins)
+        found = self.function(kernels.inverse, output)(x, wanted, w, bias)
+        forces, Vd, qdd_e, f, gain, health = found
+        self._check(x, health)
         singular.check_finite(gain)
-        singular.check_gain(self.robot, output, gain, Jp_invT)
+        rigid = self.function(kernels.gains, output)(x)[1]
+        beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
+        if np.any(beyond):
+            warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=2)
         return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
 
     def cartesian(self, state: State) -> Cartesian:
@@ -119,57 +145,190 @@ class Model:
 
         Raises InputError where a leg has not as many joints as contact force components.
         """
-        return cartesian.cartesian(self.robot, self._coordinates(state))[0]
+        return cartesian.cartesian(self.robot, self._system(state).x)[0]
 
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        system = assembly.assemble(self.robot, self._coordinates(state))
-        q: list[Array] = [np.zeros(0)] * len(self.robot.legs)
-        qd = list(q)
-        for leg in system.legs:
-            joints = range(leg.group.chain.n)
-            positions = np.stack([assembly.joint_position(leg, j) for j in joints], axis=-1)
-            for place, number in enumerate(leg.group.legs):
-                q[number], qd[number] = positions[..., place, :], leg.qd[..., place, :]
-        return Legs(tuple(q), tuple(qd))
+        system = self._system(state)
+        positions = [
+            np.stack([assembly.joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1)
+            for leg in system.legs
+        ]
+        return Legs(self._by_leg(system, positions), self._by_leg(system, [leg.qd for leg in system.legs]))
+
+    def joint_accelerations(
+        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
+    ) -> tuple[Array, ...]:
+        """q̈ (…, n_i) of each leg under given actuator forces (…, m); m/s² and rad/s².
+
+        Raises as `direct`.
+        """
+        system, u, f = self._driven(state, forces, wrenches)
+        return self._by_leg(system, assembly.joint_accelerations(self.robot, system, u, f))
+
+    def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
+        """Forces and moments at every joint of the legs under given actuator forces (…, m).
+
+        Raises as `direct`.
+        """
+        system, u, f = self._driven(state, forces, wrenches)
+        qdd = assembly.joint_accelerations(self.robot, system, u, f)
+        force, moment = zip(*assembly.joint_reactions(self.robot, system, qdd, f), strict=True)
+        return Reactions(self._by_leg(system, force), self._by_leg(system, moment))
+
+    def mobility(self, state: State) -> Mobility:
+        """Freedoms, redundant constraints, and singularities of both kinds with their directions.
+
+        Raises InputError for a batch, and as `project` does.
+        """
+        return mobility(self.robot, self._single("state", self.flat(state)))
+
+    def output_report(self, state: State, output: Output | None = None) -> "OutputReport":
+        """How well the actuators command an output about the equilibrium in a pose.
+
+        The report gives the conditioning, what bending makes of the gains, and the poles of the
+        elastic zero dynamics: the motion of the modes while the output is held.
+
+        Raises InputError for a batch, and as `static` and `inverse` do.
+        """
+        from parflex.zero_dynamics import output_report
+
+        self._single("state", self.flat(state))
+        return output_report(self, state, self._output(output))
+
+    def project(self, state: State) -> State:
+        """The state on the closure nearest to a state: what the legs allow.
+
+        The platform's pose and twist are moved, and its bend only where they do not suffice.
+
+        Raises NotConverged where there is none near.
+        """
+        return unpack(closure.projected(self.robot, state), self.robot.layout)
+
+    def pose(self, joints: ArrayLike, guess: State | None = None, sag: bool = False) -> State:
+        """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
+
+        It is looked for from the guess, by default home, with the guess's bend; with sag the
+        platform bends under its own weight.
+
+        Raises NotConverged where no pose is found from there.
+        """
+        from parflex.statics import equilibrium
+
+        wanted = finite("joints", joints, (self.robot.n_forces,))
+        start = self.robot.home if guess is None else guess
+        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
+        if not sag:
+            return unpack(geometry.pose(self, wanted, x), self.robot.layout)
+        N = self.robot.platform.modes
+        bent = lambda q_e: geometry.pose(self, wanted, np.concatenate([x[:13], q_e, x[13 + N :]]))  # noqa: E731
+        return unpack(equilibrium(self, bent)[0], self.robot.layout)
+
+    def poses(
+        self, joints: ArrayLike, guess: State | None = None, starts: int = 200, seed: int = 0
+    ) -> list[State]:
+        """All poses found whose actuated joints are as given (m,), the nearest to the guess first.
+
+        Newton's method is started at the guess and at random about it; on the branches of the legs'
+        inverse geometry that the robot states. An empty list says that none was found.
+        """
+        wanted = finite("joints", joints, (self.robot.n_forces,))
+        start = self.robot.home if guess is None else guess
+        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
+        found = geometry.every_pose(self, wanted, x, starts, seed)
+        return [unpack(one, self.robot.layout) for one in found]
 
     def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
         """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
+
+        Where the legs do not allow the pose with the platform bent, it is the nearest they allow.
 
         Raises NotConverged where the platform is too soft for a small deflection.
         """
         from parflex.statics import equilibrium
 
-        pose = State(position, rotation)
-        self._coordinates(pose)  # every leg reaches it
-        return equilibrium(self, pose)
+        pose, layout = State(position, rotation), self.robot.layout
+        start = self._single("position and rotation", closure.projected(self.robot, pose))
+        self._check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
+        N = layout.modes
+
+        def bent(q_e: Array) -> Array:
+            held = np.concatenate([start[:13], q_e, start[13 + N :]])
+            return closure.projected(self.robot, unpack(held, layout))
+
+        x, forces = equilibrium(self, bent)
+        return unpack(x, layout), forces
 
     def compiled(self) -> Compiled:
         """The models on flat arrays, without allocation; one per thread."""
         return Compiled(self)
 
-    def function(self, name: str, output: FrameOutput | None = None) -> Function:
-        """The kernel of that name, compiled at first use."""
+    def function(self, build: Callable[..., Kernel], output: Output | None = None) -> Function:
+        """A kernel of `compiled.kernels`, compiled at first use."""
         with self._lock:
-            key = (name, output)
+            key = (build, output)
             if key not in self._functions:
-                self._functions[key] = self.backend.compile(self._kernel(name, output))
+                kernel = build(self.robot) if output is None else build(self.robot, output)
+                self._functions[key] = self.backend.compile(kernel)
             return self._functions[key]
 
-    def _kernel(self, name: str, output: FrameOutput | None) -> Kernel:
-        build: Callable[..., Kernel] = getattr(kernels, name)
-        return build(self.robot) if output is None else build(self.robot, output)
+    def flat(self, state: State) -> Array:
+        """The flat state (…, size); joints that it carries are closed by Newton's method."""
+        of_type("state", state, State)
+        return closure.flat_state(self.robot, state)
 
-    def _pack(self, state: State) -> Array:
-        return pack(state, self.robot.platform.modes)
+    def _output(self, output: Output | None) -> Output:
+        """The output, all of V̇_p by default, checked against the robot."""
+        output = FrameOutput() if output is None else output
+        of_type("output", output, Output, "an")
+        output.check(self.robot.platform)
+        if self.robot.n_forces < output.size:
+            raise InputError(
+                f"output asks for {output.size} accelerations, but the robot has "
+                f"{self.robot.n_forces} actuators; name as many with FrameOutput(rows=…)"
+            )
+        return output
 
-    def _coordinates(self, state: State) -> Coordinates:
-        """A checked state for the mechanics itself."""
-        x = coordinates(self._pack(state), self.robot.platform.modes)
-        with np.errstate(invalid="ignore", divide="ignore"):
-            margins = assembly.leg_margins(assembly.assemble(self.robot, x))
-        singular.check_legs(self.robot, margins)
+    def _check(self, x: Array, health: Array) -> None:
+        """Raise where a flat state is none, or the closure loses a row there."""
+        singular.check_health(self.robot, health)
+        if not all(group.closed for group in self.robot.groups):
+            singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
+
+    def _single(self, name: str, x: Array) -> Array:
+        if x.ndim > 1:
+            raise InputError(f"{name} is a batch {x.shape[:-1]}; give one state at a time")
         return x
+
+    def _nothing(self) -> tuple[Array, Array]:
+        """No actuator forces and no loads."""
+        return np.zeros(self.robot.n_forces), np.zeros(6 + self.robot.platform.modes)
+
+    def _system(self, state: State) -> assembly.System:
+        """The mechanics at a checked state."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            system = assembly.assemble(self.robot, coordinates(self.flat(state), self.robot.layout))
+            health = assembly.health(system)
+        singular.check_health(self.robot, health)
+        return system
+
+    def _driven(
+        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
+    ) -> tuple[assembly.System, Array, Array]:
+        """The mechanics at a state, the forces Γ (…, m), and the contact forces (…, 3k) they cause."""
+        self.direct(state, forces, wrenches)
+        x, u = self.flat(state), np.asarray(forces, dtype=float)
+        w = generalised_force(self.robot.platform, state, wrenches)
+        return self._system(state), u, self.function(kernels.direct)(x, u, w)[2]
+
+    def _by_leg(self, system: assembly.System, values: Sequence[Any]) -> tuple[Array, ...]:
+        """Arrays (…, L, …) by group as one per leg."""
+        batch = system.x.position.ndim - 1
+        found: list[Array] = [np.zeros(0)] * len(self.robot.legs)
+        for leg, value in zip(system.legs, values, strict=True):
+            for place, number in enumerate(leg.group.legs):
+                found[number] = np.take(value, place, axis=batch)
+        return tuple(found)
 
 
 def check_batch(x: Array, second: Array, w: Array, name: str) -> None:
@@ -190,3 +349,8 @@ def by_attachment(robot: Robot, f: Array) -> Array:
     count = len(robot.platform.attachments)
     chosen = np.arange(count)[:, None] == robot.tip_attachments
     return np.einsum("at,...tc->...ac", chosen.astype(float), by_tip)
+
+
+def replace_twist(state: State) -> State:
+    """The state at rest."""
+    return State(state.position, state.rotation, elastic=state.elastic, joints=state.joints)

@@ -11,7 +11,7 @@ from parflex.body import FlexibleBody
 from parflex.energy import energies
 from parflex.kinematics import position_in_world
 from parflex.result import FORMAT, Result
-from parflex.state import State, coordinates
+from parflex.state import Layout, coordinates, unpack
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ def record(
     """The dataset of an integrated run with its forces (T, m) and external loads (T, 6 + N)."""
     robot, body = model.robot, model.robot.platform
     found: Variables = {}
-    found |= motion_variables(run, body)
+    found |= motion_variables(run, robot.layout)
     found |= dynamic_variables(model, run, u, w)
     found |= geometry_variables(model, run)
     found |= energy_variables(model, run)
@@ -73,9 +73,9 @@ def dataset_of(found: Variables, t: Array, body: FlexibleBody, attributes: dict[
     return dataset
 
 
-def motion_variables(run: "Run", body: FlexibleBody) -> Variables:
+def motion_variables(run: "Run", layout: Layout) -> Variables:
     """The state over time."""
-    c = coordinates(run.x, body.modes)
+    c = coordinates(run.x, layout)
     return {
         "position": (("time", "axis"), c.position, "m", "position of the platform frame in the world"),
         "rotation": (
@@ -124,8 +124,8 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
 def geometry_variables(model: "Model", run: "Run") -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
     robot, body = model.robot, model.robot.platform
-    c = coordinates(run.x, body.modes)
-    legs = model.legs(State(*c))
+    c = coordinates(run.x, robot.layout)
+    legs = model.legs(unpack(run.x, robot.layout))
     width = max((q.shape[-1] for q in legs.q), default=0)
     padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q]
     joint = np.stack(padded, axis=1) if padded else np.zeros((len(run.t), 0, 0))
@@ -184,15 +184,16 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
 
 def energy_variables(model: "Model", run: "Run") -> Variables:
     """The ledger: energies, works, and the residual of their balance."""
-    kinetic, gravity, strain = energies(model.robot, coordinates(run.x, model.robot.platform.modes))
+    kinetic, gravity, strain, springs = energies(model.robot, coordinates(run.x, model.robot.layout))
     actuators, wrenches, dissipated = run.works.T
-    stored = kinetic + gravity + strain
+    stored = kinetic + gravity + strain + springs
     residual = stored - stored[0] + dissipated - actuators - wrenches
     named = {
         "kinetic": (kinetic, "kinetic energy, rotors included"),
         "gravity": (gravity, "potential energy of weight, zero at the world's origin"),
         "strain": (strain, "strain energy of the platform"),
-        "dissipated": (dissipated, "energy dissipated by damping"),
+        "springs": (springs + 0.0 * run.t, "energy of the joints' springs"),
+        "dissipated": (dissipated, "energy dissipated by damping and friction"),
         "actuators": (actuators, "work of the actuators"),
         "wrenches": (wrenches, "work of the external wrenches"),
         "residual": (residual, "residual of the energy balance"),
@@ -204,7 +205,7 @@ def wanted_variables(run: "Run", trajectory: Trajectory, acceleration: Array) ->
     """The trajectory that was to be followed, and the differences from it."""
     from scipy.spatial.transform import Rotation
 
-    wanted, now = trajectory.sample(run.t), coordinates(run.x, 0)
+    wanted, now = trajectory.sample(run.t), coordinates(run.x, Layout(0))
     R_pd = np.swapaxes(now.rotation, -1, -2) @ wanted.rotation
     turned = np.concatenate(
         [mv(R_pd, wanted.acceleration[:, :3]), mv(R_pd, wanted.acceleration[:, 3:])], axis=-1

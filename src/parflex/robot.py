@@ -1,8 +1,9 @@
 """A robot: a fixed base, legs, a flexible platform, gravity."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,23 +13,12 @@ from parflex.body import FlexibleBody
 from parflex.chain import Chain
 from parflex.check import all_of_type, exactly, of_type
 from parflex.errors import InputError
-from parflex.legs import ALL_LEG_TYPES, Leg, LegType
-from parflex.state import State
+from parflex.legs import ALL_LEG_TYPES, Leg, LegGroup
+from parflex.legs.base import settled
+from parflex.state import Layout, State
 
-
-class LegGroup(NamedTuple):
-    """L legs of one type and equal structure, their tables side by side."""
-
-    type: LegType
-    legs: tuple[int, ...]  # their numbers in the robot
-    chain: Chain
-    rotation: Array  # (L, 3, 3)
-    origin: Array  # (L, 3)
-    tip_frames: tuple[int, ...]  # index of the link that carries each of the t tips
-    offsets: Array  # (L, t, 3)
-    attachments: Array  # (L, t) int
-    actuated: tuple[int, ...]  # joint indices
-    forces: Array  # (L, actuated) int, positions in Γ
+if TYPE_CHECKING:
+    from parflex.redundancy import Rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +28,7 @@ class Robot:
     gravity (3,) m/s² in Σ0; home is the (position, rotation) of Σp at which `robot.home` stands.
     Forces Γ are ordered by leg, and by joint within a leg.
 
-    Raises InputError for a leg no leg type knows, and where tips and attachments do not match.
+    Raises InputError where tips and attachments do not match.
     """
 
     legs: tuple[Leg, ...]
@@ -55,7 +45,6 @@ class Robot:
         held: dict[int, int] = {}
         count = len(self.platform.attachments)
         for number, leg in enumerate(self.legs):
-            leg_type(number, leg)
             for tip in leg.tips:
                 if tip.attachment >= count:
                     raise InputError(
@@ -78,10 +67,22 @@ class Robot:
     @cached_property
     def groups(self) -> tuple[LegGroup, ...]:
         """The legs, gathered by type and structure."""
-        gathered: dict[object, list[int]] = {}
+        gathered: dict[object, list[LegGroup]] = {}
+        forces = joints = 0
         for number, leg in enumerate(self.legs):
-            gathered.setdefault((leg_type(number, leg).name, leg.structure), []).append(number)
-        return tuple(self._group(tuple(numbers)) for numbers in gathered.values())
+            group = alone(number, leg, forces, joints)
+            gathered.setdefault((group.type.name, leg.structure), []).append(group)
+            forces, joints = forces + group.forces.size, joints + group.carried.size
+        return tuple(side_by_side(groups) for groups in gathered.values())
+
+    @cached_property
+    def layout(self) -> Layout:
+        """What the flat state holds."""
+        carried = [0] * len(self.legs)
+        for group in self.groups:
+            for number in group.legs:
+                carried[number] = group.carried.shape[1]
+        return Layout(self.platform.modes, tuple(carried))
 
     @cached_property
     def n_forces(self) -> int:
@@ -100,47 +101,75 @@ class Robot:
         parts = [group.forces.reshape(-1) for group in self.groups]
         return np.argsort(np.concatenate([np.zeros(0, dtype=int), *parts]))
 
-    def _group(self, numbers: tuple[int, ...]) -> LegGroup:
-        legs = [self.legs[i] for i in numbers]
-        first = legs[0]
-        actuated = tuple(j for j, joint in enumerate(first.joints) if joint.mu)
-        start = np.cumsum([0] + [sum(j.mu for j in leg.joints) for leg in self.legs])
-        return LegGroup(
-            type=leg_type(numbers[0], first),
-            legs=numbers,
-            chain=chain_of(legs),
-            rotation=np.stack([leg.rotation for leg in legs]),
-            origin=np.stack([leg.origin for leg in legs]),
-            tip_frames=tuple(tip.frame - 1 for tip in first.tips),
-            offsets=np.array([[tip.offset for tip in leg.tips] for leg in legs]),
-            attachments=np.array([[tip.attachment for tip in leg.tips] for leg in legs]),
-            actuated=actuated,
-            forces=start[list(numbers), None] + np.arange(len(actuated)),
-        )
+    @cached_property
+    def carried_order(self) -> Array:
+        """For each joint carried in the state, its place in the order of the groups."""
+        parts = [group.carried.reshape(-1) for group in self.groups]
+        return np.argsort(np.concatenate([np.zeros(0, dtype=int), *parts]))
+
+    @cached_property
+    def rows(self) -> "Rows":
+        """Which rows of the closure the models solve, and which depend on them."""
+        from parflex.redundancy import closure_rows
+
+        return closure_rows(self)
 
 
-def chain_of(legs: list[Leg]) -> Chain:
-    """The tables of legs of equal structure, side by side."""
-
-    def table(field: str) -> Array:
-        return np.array([[getattr(joint, field) for joint in leg.joints] for leg in legs])
-
-    first = legs[0].joints
-    fields = ("gamma", "b", "alpha", "d", "theta", "r", "M", "MS", "I", "IA")
-    return Chain(
-        tuple(joint.antecedent - 1 for joint in first),
-        tuple(joint.sigma for joint in first),
-        *(table(field) for field in fields),
+def alone(number: int, leg: Leg, forces: int, joints: int) -> LegGroup:
+    """A group of one leg, of the first type that knows it; its first entries in Γ and in q."""
+    n = len(leg.joints)
+    actuated = tuple(j for j, joint in enumerate(leg.joints) if joint.mu)
+    bare = LegGroup(
+        type=ALL_LEG_TYPES[-1],
+        legs=(number,),
+        chain=chain_of(leg),
+        rotation=np.asarray(leg.rotation)[None],
+        origin=np.asarray(leg.origin)[None],
+        tip_frames=tuple(tip.frame - 1 for tip in leg.tips),
+        offsets=np.array([[tip.offset for tip in leg.tips]]),
+        attachments=np.array([[tip.attachment for tip in leg.tips]]),
+        actuated=actuated,
+        forces=forces + np.arange(len(actuated))[None],
+        posture=np.zeros((1, n)) if leg.posture is None else np.asarray(leg.posture)[None],
+        branch=np.ones(1),
+        carried=np.zeros((1, 0), dtype=int),
     )
-
-
-def leg_type(number: int, leg: Leg) -> LegType:
-    """The type whose inverse geometry holds for the leg."""
     for known in ALL_LEG_TYPES:
-        if known.recognises(leg):
-            return known
-    names = ", ".join(known.name for known in ALL_LEG_TYPES)
-    raise InputError(
-        f"legs[{number}] is a {leg.word} chain whose table fits no leg type with closed-form inverse "
-        f"geometry; known types: {names} (their tables are described in parflex.legs)"
+        group: LegGroup | None = bare._replace(type=known)
+        if known.recognises(leg) and group is not None:
+            if known.carries:
+                return group._replace(carried=joints + np.arange(n)[None])
+            group = group if leg.posture is None else settled(group)
+            if group is not None:
+                return group
+    raise AssertionError("the last leg type takes every leg")
+
+
+def side_by_side(groups: list[LegGroup]) -> LegGroup:
+    """Groups of one type and equal structure as one."""
+    first = groups[0]
+    if len(groups) == 1:
+        return first
+
+    def tables(of: Callable[[LegGroup], Any]) -> dict[str, Any]:
+        arrays = [field for field, value in vars_of(of(first)).items() if isinstance(value, np.ndarray)]
+        return {field: np.concatenate([getattr(of(g), field) for g in groups]) for field in arrays}
+
+    chain = replace(first.chain, **tables(lambda group: group.chain))
+    legs = tuple(number for group in groups for number in group.legs)
+    return first._replace(legs=legs, **{**tables(lambda group: group), "chain": chain})
+
+
+def vars_of(tables: Any) -> dict[str, Any]:
+    """Fields of a named tuple or dataclass."""
+    return tables._asdict() if isinstance(tables, tuple) else vars(tables)
+
+
+def chain_of(leg: Leg) -> Chain:
+    """The tables of a leg."""
+    fields = ("gamma", "b", "alpha", "d", "theta", "r", "M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k", "q_0")
+    return Chain(
+        tuple(joint.antecedent - 1 for joint in leg.joints),
+        tuple(joint.sigma for joint in leg.joints),
+        *(np.array([[getattr(joint, field) for joint in leg.joints]]) for field in fields),
     )

@@ -9,13 +9,16 @@ from scipy.integrate import DOP853
 
 from parflex.array import Array
 from parflex.check import all_of_type, exactly, positive
+from parflex.closure import CLOSED, size_of
+from parflex.compiled import kernels
 from parflex.control import Controller, Law, as_law
 from parflex.errors import InputError
+from parflex.legs.base import MARGINS
 from parflex.progress import Progress
 from parflex.record import record
 from parflex.result import Result
-from parflex.singular import check_finite
-from parflex.state import State, Wrench, pack, unpack
+from parflex.singular import check_finite, check_health
+from parflex.state import State, Wrench, unpack
 from parflex.wrench import generalised_force
 
 if TYPE_CHECKING:
@@ -24,6 +27,7 @@ if TYPE_CHECKING:
 Loads = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
 SMALLEST_RTOL = 100 * np.finfo(float).eps
 SMALLEST, PATIENCE = 1e-6, 1000  # steps below this part of the run, so many in a row, end it
+PROJECTIONS = 5  # at most, of one state onto the closure
 WORKS = 3  # actuators, external wrenches, damping: integrated beside the state
 
 
@@ -31,7 +35,7 @@ class Run(NamedTuple):
     """What the integration leaves: rows at the output times that were reached."""
 
     t: Array  # (T,)
-    x: Array  # (T, 13 + 2N)
+    x: Array  # (T, size)
     works: Array  # (T, 3) J
     stopped: str  # why it ended early; empty where it did not
 
@@ -66,14 +70,14 @@ def simulate(
     positive("atol", atol)
     if positive("rtol", rtol) < SMALLEST_RTOL:
         raise InputError(f"rtol is {rtol}; below {SMALLEST_RTOL} round-off prevails")
-    start = pack(state, model.robot.platform.modes)
+    start = model.flat(state)
     if start.ndim != 1:
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
     law = as_law(model, forces_or_controller)
     loads = wrench_law(model, wrenches)
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
-    run = integrate(law, loads, start, times, tolerances)
+    run = integrate(law, loads, start, times, tolerances, Closure(model))
     u = at_output_times(run, law, model.robot.n_forces)
     w = at_output_times(run, loads, 6 + model.robot.platform.modes)
     if not run.stopped and not (np.all(np.isfinite(u)) and np.all(np.isfinite(w))):
@@ -88,10 +92,12 @@ def integrate(
     start: Array,
     times: Array,
     tolerances: dict[str, float],
+    closure: "Closure",
 ) -> Run:
-    """Steps of the integrator, read out at the output times."""
+    """Steps of the integrator, each put back on the closure, read out at the output times."""
     rate = RightHandSide(law, loads)
-    y = np.concatenate([start, np.zeros(WORKS)])
+    y = np.concatenate([closure.first(start), np.zeros(WORKS)])
+    law.watch(start)
     rate.first(times[0], y)
     rows, done, reached_t, slow, stopped = [y], 1, times[0], 0, ""
     with Progress("simulate", times[-1] - times[0]) as bar:
@@ -102,10 +108,13 @@ def integrate(
                 if solver.status == "failed":
                     stopped = str(rate.refused or law.explain() or "the step size vanished: it diverges")
                     break
+                if closure(solver.y):
+                    solver.f = rate(solver.t, solver.y)
+                law.watch(solver.y[:-WORKS])
                 reached = int(np.searchsorted(times, solver.t, side="right"))
                 if reached > done:
                     read = solver.dense_output()
-                    rows += [read(time) for time in times[done:reached]]
+                    rows += [closure.on(read(time)) for time in times[done:reached]]
                     done = reached
                 reached_t, rate.refused = solver.t, None
                 slow = slow + 1 if solver.step_size < SMALLEST * (times[-1] - times[0]) else 0
@@ -123,6 +132,49 @@ def integrate(
     x = kept[:, :-WORKS]
     x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)
     return Run(times[: len(kept)], x, kept[:, -WORKS:], stopped)
+
+
+class Closure:
+    """The closure of the legs, onto which states are put back in the metric of the robot's mass."""
+
+    def __init__(self, model: "Model") -> None:
+        self._robot = model.robot
+        self._open = not all(group.closed for group in model.robot.groups)
+        if self._open:
+            function = model.function(kernels.projection)
+            self._x, self._moved, self._health = (
+                np.zeros(n) for n in (*function.kernel.inputs, *function.kernel.outputs)
+            )
+            self._run = function.bind([self._x], [self._moved, self._health])
+            self._tolerance = CLOSED * size_of(model.robot)
+
+    def first(self, x: Array) -> Array:
+        """A start, put on the closure; raises as `singular.check_health` where it is off it."""
+        y = np.concatenate([x, np.zeros(WORKS)])
+        if self._open:
+            self._x[:] = x
+            self._run()
+            check_health(self._robot, self._health)
+        return self.on(y)[:-WORKS]
+
+    def on(self, y: Array) -> Array:
+        """y with its state on the closure."""
+        self(y)
+        return y
+
+    def __call__(self, y: Array) -> bool:
+        """Put the state in y on the closure; whether it moved."""
+        if not self._open:
+            return False
+        self._x[:] = y[:-WORKS]
+        for _ in range(PROJECTIONS):
+            self._run()
+            gaps = self._health[MARGINS * len(self._robot.legs) :]
+            if not np.max(np.abs(gaps)) > self._tolerance:
+                break
+            self._x[:] = self._moved
+        y[:-WORKS] = self._x
+        return True
 
 
 class RightHandSide:
@@ -162,7 +214,7 @@ def wrench_law(model: "Model", wrenches: Loads) -> Callable[[float, Array], Arra
 
     def loads(t: float, x: Array) -> Array:
         given = wrenches(t) if callable(wrenches) else wrenches
-        w = generalised_force(body, unpack(x, body.modes), given)
+        w = generalised_force(body, unpack(x, model.robot.layout), given)
         if w.ndim != 1:
             raise InputError(f"wrenches are a batch {w.shape[:-1]}; a simulation takes single ones")
         return w

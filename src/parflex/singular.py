@@ -1,14 +1,26 @@
-"""Where the models do not exist: legs out of reach, singular legs, singular and dynamic poses."""
+"""Where the models do not exist: legs out of reach, states off the closure, singular poses."""
+
+import warnings
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parflex.array import Array, transpose
 from parflex.check import index_of
-from parflex.errors import OutOfReach, SingularPose
-from parflex.output import FrameOutput
+from parflex.closure import size_of
+from parflex.compiled import kernels
+from parflex.errors import DynamicSingularity, InputError, OutOfReach, SingularPose
+from parflex.legs.base import MARGINS
+from parflex.mobility import freed_twist
+from parflex.output import Output
 from parflex.robot import Robot
 
+if TYPE_CHECKING:
+    from parflex.model import Model
+
 SINGULAR = 1e-8  # smallest acceptable ratio of singular values, lengths scaled by the platform's
+LOCKED = 1e-12  # of eigenvalues of the contact system, which go with the squares of the closure's
+OFF = 1e-6  # m per metre of platform, and m/s: the largest gap between a tip and its attachment
 
 NO_INERTIA = (
     "some link or the platform has no inertia against one of its motions, so that no acceleration is "
@@ -16,11 +28,47 @@ NO_INERTIA = (
 )
 
 
-def check_legs(robot: Robot, margins: Array) -> None:
+def check_health(robot: Robot, health: Array) -> None:
+    """Raise where a state is none: as `check_legs`, and where it is off the closure of the legs."""
+    check_legs(robot, health)
+    gaps, start = health[..., MARGINS * len(robot.legs) :], 0
+    if gaps.shape[-1] == 0 or np.max(np.abs(gaps)) <= OFF * min(1.0, size_of(robot)):
+        return
+    for group in robot.groups:
+        if group.closed:
+            continue
+        width = 3 * len(group.tip_frames)
+        for what, unit in (("", "m"), (" velocity", "m/s")):
+            part = gaps[..., start : start + width * len(group.legs)]
+            start += width * len(group.legs)
+            size = np.max(np.abs(part.reshape(part.shape[:-1] + (-1, width))), axis=-1)
+            bad = size > OFF * min(1.0, size_of(robot))
+            if np.any(bad):
+                where = tuple(np.argwhere(bad)[0])
+                raise off_closure(group.type.carries, group.legs[where[-1]], what, size[where], unit, bad)
+
+
+def off_closure(carried: bool, leg: int, what: str, gap: float, unit: str, bad: Array) -> InputError:
+    """The error of a state that the legs do not allow."""
+    where = index_of(np.any(bad, axis=-1))
+    if carried and not what:
+        return OutOfReach(
+            f"state{where}: no joints of leg {leg + 1} were found that reach its attachment, a gap of "
+            f"{gap:.2g} m remains; move the pose, or give State.joints near the solution"
+        )
+    return InputError(
+        f"state{where} is off the closure: a gap{what} of {gap:.2g} {unit} between leg {leg + 1} and its "
+        f"attachment, since the legs leave the platform fewer than six freedoms; take the nearest state "
+        f"that they allow, model.project(state)"
+    )
+
+
+def check_legs(robot: Robot, health: Array) -> None:
     """Raise where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose).
 
-    margins (…, 2 legs) from `assembly.leg_margins`.
+    health begins with the margins (…, 2 legs) of `assembly.health`.
     """
+    margins = health[..., : MARGINS * len(robot.legs)]
     if np.all(margins > SINGULAR):
         return
     reach, regular, numbers = split_margins(robot, margins)
@@ -41,6 +89,23 @@ def check_finite(answer: Array) -> None:
         raise SingularPose(f"at the state{where}, {NO_INERTIA}")
 
 
+def check_locking(robot: Robot, C: Array) -> None:
+    """Raise SingularPose where the closure loses a row: C (…, r r), the contact system by rows.
+
+    There the legs let the platform go along some twist, or press against each other without end.
+    """
+    rows = len(robot.rows.kept)
+    matrix = C.reshape(C.shape[:-1] + (rows, rows))
+    scale = 1.0 / np.sqrt(np.einsum("...ii->...i", matrix))
+    values = np.linalg.eigvalsh(scale[..., :, None] * matrix * scale[..., None, :])
+    bad = ~(values[..., 0] > LOCKED * values[..., -1])
+    if np.any(bad):
+        raise SingularPose(
+            f"pose{index_of(bad)} is a constraint singularity: the legs no longer hold the platform against "
+            f"some motion that they hold elsewhere (model.mobility names it); move the pose"
+        )
+
+
 def split_margins(robot: Robot, margins: Array) -> tuple[Array, Array, list[int]]:
     """Reach, regularity (…, legs) and the legs' numbers, in the order of the groups."""
     reach: list[Array] = []
@@ -57,85 +122,101 @@ def split_margins(robot: Robot, margins: Array) -> tuple[Array, Array, list[int]
     return np.concatenate([empty, *reach], axis=-1), np.concatenate([empty, *regular], -1), numbers
 
 
-def check_gain(robot: Robot, output: FrameOutput, gain: Array, Jp_invT: Array) -> None:
-    """Raise SingularPose where no forces, or forces of the wrong sign, give the wanted output.
+def by_rows(robot: Robot, output: Output, gain: Array) -> Array:
+    """∂output/∂Γ (…, o, m), angular rows in metres."""
+    matrix = gain.reshape(gain.shape[:-1] + (output.size, robot.n_forces))
+    return matrix * output.lengths(size_of(robot))[:, None]
 
-    gain (…, o m) = ∂output/∂Γ and J_p⁻ᵀ (…, 6 m), by rows.
+
+def gain_ratio(flexible: Array, rigid: Array) -> Array:
+    """G_f G_r⁺ (…, o, o): what the bending platform makes of the accelerations of a rigid one."""
+    square = rigid @ transpose(rigid)
+    return flexible @ transpose(rigid) @ np.linalg.inv(square)
+
+
+def check_gain(robot: Robot, output: Output, x: Array, flexible: Array, rigid: Array) -> Array:
+    """Raise SingularPose where no forces give the wanted output; tell where they have a wrong sign.
+
+    flexible and rigid (…, o m) are ∂output/∂Γ as it is and for a platform that does not bend. True
+    in the result (…,) marks poses beyond a dynamic singularity: the two have opposite signs.
     """
-    m = robot.n_forces
-    full = sorted(output.rows) == list(range(6)) and m == 6
-    size = platform_size(robot)
-    lengths = FrameOutput().lengths(size)
-    rigid = Jp_invT.reshape(Jp_invT.shape[:-1] + (6, m)) / lengths[:, None]
-    flexible = gain.reshape(gain.shape[:-1] + (output.size, m))
-    flexible = flexible * output.lengths(size)[:, None]
-    if m >= 6:
-        report_parallel(rigid, lengths)
+    rigid, flexible = by_rows(robot, output, rigid), by_rows(robot, output, flexible)
+    lost = ratio(rigid) < SINGULAR
+    if np.any(lost):
+        which = tuple(np.argwhere(lost)[0]) if lost.ndim else ()
+        twist = np.array2string(freed_twist(robot, x[which]), precision=3, suppress_small=True)
+        raise SingularPose(
+            f"pose{index_of(lost)} is a parallel singularity: J_p⁻¹ is singular, and with all actuators "
+            f"locked the platform can still move along the twist (v, ω) = {twist}; move the pose"
+        )
     bad = ratio(flexible) < SINGULAR
-    reason = "no actuator forces give the wanted acceleration"
-    if full and not np.any(bad):
-        bad = np.linalg.det(flexible[..., np.argsort(output.rows), :]) * np.linalg.det(rigid) < 0
-        reason = "the platform bends so much that it accelerates against its actuators"
     if np.any(bad):
         raise SingularPose(
-            f"pose{index_of(bad)} is a dynamic singularity: {reason}, though J_p⁻¹ has full rank; "
-            f"move the pose, stiffen the platform, or prescribe another output"
+            f"pose{index_of(bad)} is a dynamic singularity: no actuator forces give the wanted "
+            f"acceleration, though J_p⁻¹ has full rank; move the pose, stiffen the platform, or prescribe "
+            f"another output"
         )
+    every = output.size == min(6, robot.n_forces)
+    return every & (np.linalg.det(gain_ratio(flexible, rigid)) < 0)
+
+
+def spread(x: Array, *gains: Array) -> tuple[Array, ...]:
+    """Arrays (…, n_i) with their leading axes broadcast together."""
+    batch = np.broadcast_shapes(*(a.shape[:-1] for a in (x, *gains)))
+    return tuple(np.broadcast_to(a, batch + a.shape[-1:]) for a in (x, *gains))
+
+
+def beyond_words(beyond: Array) -> str:
+    """What is to be said of poses beyond a dynamic singularity (…,)."""
+    return (
+        f"pose{index_of(beyond)} lies beyond a dynamic singularity: the platform bends so much that it "
+        f"accelerates against its actuators, and control of this output is unstable; see "
+        f"model.output_report, stiffen the platform, or prescribe another output"
+    )
 
 
 class Watch:
-    """A look at the gains during a motion, quick where the robot has six actuators.
+    """A look at the gains of an output during a motion.
 
-    The determinants of ∂V̇_p/∂Γ and J_p⁻ᵀ keep equal signs, and J_p⁻ᵀ the one it started with, until
-    a singularity is crossed.
+    The determinants of ∂output/∂Γ, as it is and for a rigid platform, keep the signs they started
+    with until a singularity is crossed.
     """
 
-    def __init__(self, robot: Robot, output: FrameOutput) -> None:
-        self._robot, self._output = robot, output
-        self._start: tuple[Array, float, Array] | None = None  # gain, det J_p⁻ᵀ, J_p⁻ᵀ at first
+    def __init__(self, model: "Model", output: Output) -> None:
+        self._robot, self._output = model.robot, output
+        self._gains = model.function(kernels.gains, output)
+        self._start: tuple[Array, Array] | None = None  # flexible, rigid
+        self._x: Array | None = None
 
-    def look(self, gain: Array, Jp_invT: Array) -> None:
-        """Raise SingularPose where the inverse model has ceased to exist."""
-        if self._robot.n_forces != 6 or self._output.size != 6:
-            check_gain(self._robot, self._output, gain, Jp_invT)
-            return
-        flexible, rigid = np.linalg.det(np.concatenate([gain, Jp_invT]).reshape(2, 6, 6))
+    def look(self, x: Array) -> None:
+        """Raise SingularPose where the motion has crossed a singularity since the first look."""
+        given = self._gains(x)
+        flexible, rigid = (by_rows(self._robot, self._output, gain) for gain in given)
         if self._start is None:
-            self._start = gain.copy(), float(rigid), Jp_invT.copy()
-        if rigid * self._start[1] < 0:
-            raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
-        if not flexible * rigid > 0:
-            check_gain(self._robot, self._output, gain, Jp_invT)
+            if check_gain(self._robot, self._output, x, *given):
+                warnings.warn(beyond_words(np.array(True)), DynamicSingularity, stacklevel=4)
+            self._start = flexible, rigid
+        self._x = x.copy()
+        for now, then, what in (
+            (rigid, self._start[1], "parallel singularity: det J_p⁻¹"),
+            (flexible, self._start[0], "dynamic singularity: the determinant of ∂V̇_p/∂Γ"),
+        ):
+            if np.linalg.det(now @ transpose(then)) < 0:
+                raise SingularPose(f"the motion has crossed a {what} changed sign")
 
-    def explain(self, gain: Array, Jp_invT: Array) -> str:
+    def explain(self) -> str:
         """Whether the motion has run into a singularity without crossing it."""
-        if self._start is None:
+        if self._start is None or self._x is None:
             return ""
-        scale = self._output.lengths(platform_size(self._robot))[:, None]
-        now, start = (ratio(a.reshape(6, 6) / scale) for a in (Jp_invT, self._start[2]))
-        kind = "parallel"
+        flexible, rigid = (by_rows(self._robot, self._output, gain) for gain in self._gains(self._x))
+        now, start, kind = ratio(rigid), ratio(self._start[1]), "parallel"
         if now > 0.05 * start:
-            now, start = (ratio(scale * a.reshape(6, 6)) for a in (gain, self._start[0]))
-            kind = "dynamic"
+            now, start, kind = ratio(flexible), ratio(self._start[0]), "dynamic"
         if now > 0.05 * start:
             return ""
         return (
             f"a {kind} singularity is near: the weakest gain from forces to acceleration has fallen "
             f"to {now / start:.1e} of its value at the start"
-        )
-
-
-def report_parallel(rigid: Array, lengths: Array) -> None:
-    """Raise where J_p⁻¹ is singular, with the twist that the locked actuators leave free."""
-    bad = ratio(rigid) < SINGULAR
-    if np.any(bad):
-        which = tuple(np.argwhere(bad)[0]) if bad.ndim else ()
-        free = np.linalg.svd(transpose(rigid[which]))[2][-1] / lengths
-        twist = np.array2string(free / np.max(np.abs(free)), precision=3, suppress_small=True)
-        raise SingularPose(
-            f"pose{index_of(bad)} is a parallel singularity: J_p⁻¹ is singular, and with all "
-            f"actuators locked the platform can still move along the twist (v, ω) = {twist}; "
-            f"move the pose"
         )
 
 
@@ -145,9 +226,3 @@ def ratio(matrix: Array) -> Array:
     values = np.linalg.svd(np.where(good[..., None, None], matrix, 0.0), compute_uv=False)
     largest = values[..., 0]
     return np.where(largest > 0, values[..., -1] / np.where(largest > 0, largest, 1.0), 0.0)
-
-
-def platform_size(robot: Robot) -> float:
-    """Root mean square distance of the attachments from their centre, m."""
-    points = robot.platform.attachment_points
-    return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,7 +20,10 @@ class State:
 
     position (…, 3) m and rotation (…, 3, 3) place Σp in Σ0; twist (…, 6) is (v_p, ω_p) in Σp,
     m/s and rad/s; elastic and elastic_rate (…, N) are q_e and q̇_e (0: undeformed, at rest).
-    `joints` is reserved for legs without closed-form inverse geometry.
+
+    joints and joint_rates, one (…, n_i) per leg, matter to legs whose inverse geometry has no closed
+    form: Newton's method starts from them (by default from the leg's posture, with the rates that
+    the platform imposes). For other legs they may be None, and are checked where given.
 
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
     """
@@ -29,7 +33,8 @@ class State:
     twist: Given = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     elastic: Given = 0.0
     elastic_rate: Given = 0.0
-    joints: tuple[ArrayLike, ...] | None = None
+    joints: Given = None
+    joint_rates: Given = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "position", finite("State.position", self.position, (3,)))
@@ -37,36 +42,81 @@ class State:
         object.__setattr__(self, "twist", finite("State.twist", self.twist, (6,)))
         for name in ("elastic", "elastic_rate"):
             object.__setattr__(self, name, finite(f"State.{name}", getattr(self, name)))
-        if self.joints is not None:
-            raise InputError("State.joints: no leg type of this version carries its joints in the state")
+        for name in ("joints", "joint_rates"):
+            object.__setattr__(self, name, per_leg(f"State.{name}", getattr(self, name)))
         _ = self.batch  # the leading axes must broadcast
 
     def __getitem__(self, index: Any) -> "State":
         """States of a batch, chosen along its leading axes."""
         batch = self.batch
-        parts: list[Any] = [
-            value if np.ndim(value) == 0 else np.broadcast_to(value, batch + np.shape(value)[-core:])[index]
-            for value, core in zip(self._arrays(), (1, 2, 1, 1, 1), strict=True)
+
+        def chosen(value: Any, core: int) -> Any:
+            if value is None or np.ndim(value) == 0:
+                return value
+            return np.broadcast_to(value, batch + np.shape(value)[-core:])[index]
+
+        parts = [chosen(value, core) for value, core in self._arrays()]
+        legs = [
+            None if values is None else tuple(chosen(value, 1) for value in values)
+            for values in (self.joints, self.joint_rates)
         ]
-        return State(*parts)
+        return State(*parts, *legs)
 
     @property
     def batch(self) -> tuple[int, ...]:
         """The common leading axes."""
+        legs = [(value, 1) for values in (self.joints, self.joint_rates) for value in values or ()]
         shapes = [
             np.shape(value)[: max(np.ndim(value) - core, 0)]
-            for value, core in zip(self._arrays(), (1, 2, 1, 1, 1), strict=True)
+            for value, core in (*self._arrays(), *legs)
+            if value is not None
         ]
         try:
             return np.broadcast_shapes(*shapes)
         except ValueError:
             raise InputError(
-                f"State: the leading (batch) axes of position, rotation, twist, elastic and "
-                f"elastic_rate are {shapes}; they must broadcast together"
+                f"State: the leading (batch) axes of position, rotation, twist, elastic, "
+                f"elastic_rate and joints are {shapes}; they must broadcast together"
             ) from None
 
-    def _arrays(self) -> tuple[ArrayLike, ...]:
-        return self.position, self.rotation, self.twist, self.elastic, self.elastic_rate
+    def _arrays(self) -> tuple[tuple[Any, int], ...]:
+        """The platform's fields, with the number of axes of one item."""
+        return (
+            (self.position, 1),
+            (self.rotation, 2),
+            (self.twist, 1),
+            (self.elastic, 1),
+            (self.elastic_rate, 1),
+        )
+
+
+def per_leg(name: str, values: Any) -> tuple[Array | None, ...] | None:
+    """One (…, n_i) array, or None, per leg."""
+    if values is None:
+        return None
+    if not isinstance(values, (list, tuple)):
+        raise InputError(f"{name} is {type(values).__name__}; give a tuple with one (…, n_i) per leg")
+    return tuple(
+        None if value is None else finite(f"{name}[{number}]", value, (None,))
+        for number, value in enumerate(values)
+    )
+
+
+class Layout(NamedTuple):
+    """What a flat state holds: N modes, and how many joints of each leg are carried."""
+
+    modes: int
+    joints: tuple[int, ...] = ()
+
+    @property
+    def carried(self) -> int:
+        """The number of joints that are carried."""
+        return sum(self.joints)
+
+    @property
+    def size(self) -> int:
+        """Length of the flat state: p 3, quaternion 4, v_p 3, ω_p 3, q_e N, q̇_e N, q, q̇ carried."""
+        return 13 + 2 * self.modes + 2 * self.carried
 
 
 class Coordinates(NamedTuple):
@@ -77,6 +127,8 @@ class Coordinates(NamedTuple):
     twist: Array
     elastic: Array
     elastic_rate: Array
+    q: Array  # joints that are carried, in the order of the legs
+    qd: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,46 +151,78 @@ class Wrench:
             raise InputError(f'Wrench.frame is {self.frame!r}; choose "world" or "platform"')
 
 
-def state_size(modes: int) -> int:
-    """Length of the flat state: p 3, quaternion 4, v_p 3, ω_p 3, q_e N, q̇_e N."""
-    return 13 + 2 * modes
-
-
-def coordinates(x: Array, modes: int) -> Coordinates:
-    """The flat state (…, 13 + 2N) as coordinates; the quaternion may have any length."""
+def coordinates(x: Array, layout: Layout) -> Coordinates:
+    """The flat state (…, size) as coordinates; the quaternion may have any length."""
+    modes, carried = layout.modes, layout.carried
+    ends = np.cumsum([13, modes, modes, carried, carried])
+    elastic, elastic_rate, q, qd = (x[..., i:j] for i, j in pairwise(ends))
     return Coordinates(
         position=x[..., 0:3],
         rotation=rotation_from_quaternion(x[..., 3:7]),
         twist=x[..., 7:13],
-        elastic=x[..., 13 : 13 + modes],
-        elastic_rate=x[..., 13 + modes : 13 + 2 * modes],
+        elastic=elastic,
+        elastic_rate=elastic_rate,
+        q=q,
+        qd=qd,
     )
 
 
-def pack(state: State, modes: int) -> Array:
-    """The flat state (…, 13 + 2N) of a checked state."""
+def pack(state: State, layout: Layout) -> Array:
+    """The flat state (…, size) of a checked state; carried joints that it does not name are zero."""
     from scipy.spatial.transform import Rotation
 
     of_type("state", state, State)
     batch = state.batch
     rotation = np.asarray(state.rotation)
     quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
+    modes = layout.modes
     parts: Sequence[tuple[Array, int]] = (
         (np.asarray(state.position), 3),
         (quaternion.reshape(rotation.shape[:-2] + (4,)), 4),
         (np.asarray(state.twist), 6),
         (elastic_vector("elastic", state.elastic, modes), modes),
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
+        *carried_vectors("joints", state.joints, layout),
+        *carried_vectors("joint_rates", state.joint_rates, layout),
     )
     return np.concatenate([np.broadcast_to(v, batch + (n,)) for v, n in parts], axis=-1)
 
 
-def unpack(x: Array, modes: int) -> State:
-    """The state of a flat vector (…, 13 + 2N)."""
-    flat = finite("x", x, (state_size(modes),))
+def unpack(x: Array, layout: Layout) -> State:
+    """The state of a flat vector (…, size)."""
+    flat = finite("x", x, (layout.size,))
     if np.any(np.sum(flat[..., 3:7] ** 2, axis=-1) == 0):
         raise InputError("x holds a quaternion of length zero at 3 … 6; it must be a rotation (w, x, y, z)")
-    return State(*coordinates(flat, modes))
+    *platform, q, qd = coordinates(flat, layout)
+    return State(*platform, by_leg(q, layout), by_leg(qd, layout))
+
+
+def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:
+    """Carried joints (…, n) as one array per leg, None for legs that carry none."""
+    if not layout.carried:
+        return None
+    ends = np.cumsum((0, *layout.joints))
+    return tuple(
+        q[..., end - count : end] if count else None
+        for end, count in zip(ends[1:], layout.joints, strict=True)
+    )
+
+
+def carried_vectors(name: str, values: Any, layout: Layout) -> list[tuple[Array, int]]:
+    """Carried joints of each leg, with their number."""
+    if values is None:
+        return [(np.zeros(layout.carried), layout.carried)]
+    if len(values) != len(layout.joints):
+        raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(layout.joints)} legs")
+    found = []
+    for number, (value, count) in enumerate(zip(values, layout.joints, strict=True)):
+        if count and value is not None and value.shape[-1] != count:
+            raise InputError(
+                f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                f"last axis must be {count} long"
+            )
+        found.append((value if count and value is not None else np.zeros(count), count))
+    return found
 
 
 def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:

@@ -1,6 +1,6 @@
 """Static equilibrium under gravity: the platform bends until all forces balance."""
 
-from dataclasses import replace
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -8,28 +8,31 @@ from scipy.optimize import root
 
 from parflex import assembly
 from parflex.array import Array, block_diagonal, join, transpose
+from parflex.assembly import System
 from parflex.errors import InputError, NotConverged
-from parflex.state import State, coordinates, pack
+from parflex.mobility import freed_twist, show
+from parflex.robot import Robot
+from parflex.state import coordinates
 
 if TYPE_CHECKING:
     from parflex.model import Model
 
 
-def equilibrium(model: "Model", pose: State) -> tuple[State, Array]:
-    """The state at rest in a pose (single), and the actuator forces (m,) that hold it.
+def equilibrium(model: "Model", place: Callable[[Array], Array]) -> tuple[Array, Array]:
+    """The flat state at rest, and the actuator forces (m,) that hold it.
 
-    For a given bend, forces and moments balance linearly; the bend they cause is iterated on.
+    `place` gives the flat state for a bend q_e (N,). For a given bend, forces and moments balance
+    linearly; the bend they cause is iterated on.
     """
     robot, modes = model.robot, model.robot.platform.modes
-    if pose.batch:
-        raise InputError(f"position and rotation are a batch {pose.batch}; give one pose")
     if modes and not np.all(robot.platform.stiffness > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
 
     def bend(q_e: Array) -> tuple[Array, Array]:
-        x = coordinates(pack(replace(pose, elastic=q_e), modes), modes)
+        flat = place(q_e)
+        x = coordinates(flat, robot.layout)
         system = assembly.assemble(robot, x)
-        f, forces = balance(model, system)
+        f, forces = balance(robot, system, flat)
         load = system.W_e @ f + robot.platform.tables.S.T @ (x.rotation.T @ robot.gravity)
         return load / robot.platform.stiffness, forces
 
@@ -43,27 +46,24 @@ def equilibrium(model: "Model", pose: State) -> tuple[State, Array]:
                 "no equilibrium was found near the undeformed platform; it is too soft for its "
                 "weight at this pose: raise its frequencies or move the pose"
             )
-    state = State(pose.position, pose.rotation, np.zeros(6), q_e, np.zeros(modes))
-    return state, bend(q_e)[1]
+    return place(q_e), bend(q_e)[1]
 
 
-def balance(model: "Model", system: assembly.System) -> tuple[Array, Array]:
+def balance(robot: Robot, system: System, flat: Array) -> tuple[Array, Array]:
     """Contact forces (3k,) and Γ (m,) of least norm that hold the robot still.
 
     Legs: Jᵀ f − S Γ = −c; platform: W_p f = c_r.
     """
-    robot = model.robot
     Jt = assembly.diagonal([block_diagonal(transpose(leg.J)) for leg in system.legs])
-    S = assembly.diagonal(
-        [
-            block_diagonal(np.stack([assembly.selection(leg.group)] * len(leg.group.legs)))
-            for leg in system.legs
-        ]
-    )[:, robot.force_order]
+    selections = [np.stack([assembly.selection(leg.group)] * len(leg.group.legs)) for leg in system.legs]
+    S = assembly.diagonal([block_diagonal(part) for part in selections])[:, robot.force_order]
     c = join([np.zeros(0), *(leg.c.reshape(-1) for leg in system.legs)])
     A = np.block([[Jt, -S], [system.W_p, np.zeros((6, S.shape[1]))]])
     b = np.concatenate([-c, system.platform.c_r])
     solution = np.linalg.lstsq(A, b, rcond=None)[0]
     if not np.allclose(A @ solution, b, rtol=0, atol=1e-9 * max(1.0, np.max(np.abs(b)))):
-        raise NotConverged("no actuator forces hold the platform in this pose; it is not in balance")
+        raise NotConverged(
+            f"no actuator forces hold the platform in this pose; nothing carries its weight along the "
+            f"twist (v, ω) = {show(freed_twist(robot, flat))}, nearest to a parallel singularity"
+        )
     return solution[: Jt.shape[1]], solution[Jt.shape[1] :]

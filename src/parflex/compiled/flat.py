@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from parflex.array import Array
+from parflex.compiled import kernels
 from parflex.compiled.backend import Trigger
-from parflex.compiled.kernels import sizes
 from parflex.errors import InputError
 from parflex.output import FrameOutput
-from parflex.state import State, pack, state_size, unpack
+from parflex.state import State, unpack
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -30,28 +30,28 @@ class Bound(NamedTuple):
 class Compiled:
     """Direct and inverse models on flat float64 arrays; one per thread.
 
-    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N), of length
-    `state_size`; the quaternion is normalised inside. Arrays are bound at first sight, kept alive,
-    and recognised by identity: pass the same arrays again and only their contents are read.
+    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N, q, q̇), of length
+    `state_size`, q the joints of legs without closed-form inverse geometry; the quaternion is
+    normalised inside. Arrays are bound at first sight, kept alive, and recognised by identity: pass
+    the same arrays again and only their contents are read.
     """
 
     def __init__(self, model: "Model") -> None:
         self.model = model
-        self.modes, self.force_size, self.contact_size = sizes(model.robot)
-        self.state_size = state_size(self.modes)
+        self.state_size, self.modes, self.force_size, self.contact_size = kernels.sizes(model.robot)
         self._direct: dict[Key, Bound] = {}
         self._inverse: dict[Key, Bound] = {}
 
     def pack(self, state: State) -> Array:
         """The flat state (state_size,) of one state."""
-        x = pack(state, self.modes)
+        x = self.model.flat(state)
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
         return x
 
     def unpack(self, x: Array) -> State:
         """The state of a flat vector."""
-        return unpack(x, self.modes)
+        return unpack(x, self.model.robot.layout)
 
     def direct(self, x: Array, u: Array, out: Array) -> None:
         """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
@@ -78,7 +78,7 @@ class Compiled:
         check("x", x, self.state_size)
         check("u", u, self.force_size)
         Vd, qdd_e, f = self._split(out, 6)
-        return self.model.function("direct").bind([x, u, None], [Vd, qdd_e, f, None])
+        return self.model.function(kernels.direct).bind([x, u, None], [Vd, qdd_e, f, None])
 
     def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
@@ -89,8 +89,8 @@ class Compiled:
                 f"actuators; use model.inverse with FrameOutput(rows=…)"
             )
         forces, qdd_e, f = self._split(out, self.force_size)
-        function = self.model.function("inverse", FrameOutput())
-        return function.bind([x, target, None], [forces, None, qdd_e, f, None, None, None])
+        function = self.model.function(kernels.inverse, FrameOutput())
+        return function.bind([x, target, None, None], [forces, None, qdd_e, f, None, None])
 
     def _split(self, out: Array, first: int) -> tuple[Array, Array, Array | None]:
         """Views of the output's parts; the contact forces where there is room for them."""

@@ -1,6 +1,7 @@
 """The models as functions of flat vectors: what every backend runs.
 
-A state is x (13 + 2N), forces u (m), external generalised forces w (6 + N).
+A state is x (layout.size), forces u (m), external generalised forces w (6 + N). Every kernel that
+assembles legs ends with their `health`, from which the doors tell a state that is none.
 """
 
 from collections.abc import Callable
@@ -8,12 +9,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parflex import assembly, dynamics
-from parflex.array import Array, cross, dot, join, merged, mtv, mv, transpose
+from parflex import assembly, chain, dynamics
+from parflex.array import Array, cross, dot, join, merged, mtv, mv, stack, transpose
+from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
-from parflex.state import coordinates, state_size
+from parflex.state import coordinates
 
 
 @dataclass(frozen=True)
@@ -26,57 +28,85 @@ class Kernel:
     outputs: tuple[int, ...]
 
 
+def assembled(robot: Robot, x: Array) -> assembly.System:
+    """The robot at a flat state."""
+    return assembly.assemble(robot, coordinates(x, robot.layout))
+
+
 def direct(robot: Robot) -> Kernel:
-    """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, leg margins."""
-    N, m, k = sizes(robot)
+    """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, health."""
+    n, N, m, k = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = assembly.assemble(robot, coordinates(x, N))
-        return (*dynamics.direct_of(robot, system, u, w), assembly.leg_margins(system))
+        system = assembled(robot, x)
+        return (*dynamics.direct_of(robot, system, u, w), assembly.health(system))
 
-    return Kernel("direct", function, (state_size(N), m, 6 + N), (6, N, k, 2 * len(robot.legs)))
+    return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)))
 
 
-def inverse(robot: Robot, output: dynamics.Output) -> Kernel:
-    """(x, target, w) -> Γ, V̇_p, q̈_e, contact forces by tip, gain, J_p⁻ᵀ (by rows), leg margins."""
-    N, m, k = sizes(robot)
+def inverse(robot: Robot, output: Output) -> Kernel:
+    """(x, target, w, preload) -> Γ, V̇_p, q̈_e, contact forces by tip, gain (by rows), health."""
+    n, N, m, k = sizes(robot)
 
-    def function(x: Array, target: Array, w: Array) -> tuple[Array, ...]:
-        system = assembly.assemble(robot, coordinates(x, N))
-        found = dynamics.inverse_of(robot, system, target, w, output)
-        gain, Jp_invT = (merged(a) for a in (found.gain, found.Jp_invT))
-        margins = assembly.leg_margins(system)
-        return (found.forces, *found.acceleration, gain, Jp_invT, margins)
+    def function(x: Array, target: Array, w: Array, preload: Array) -> tuple[Array, ...]:
+        system = assembled(robot, x)
+        found = dynamics.inverse_of(robot, system, target, w, output, preload)
+        return (found.forces, *found.acceleration, merged(found.gain), assembly.health(system))
 
     return Kernel(
         "inverse",
         function,
-        (state_size(N), output.size, 6 + N),
-        (m, 6, N, k, output.size * m, 6 * m, 2 * len(robot.legs)),
+        (n, output.size, 6 + N, m),
+        (m, 6, N, k, output.size * m, assembly.health_size(robot)),
     )
 
 
+def gains(robot: Robot, output: Output) -> Kernel:
+    """x -> ∂output/∂Γ by rows, as it is and as it were for a platform that does not bend."""
+    n, _, m, _ = sizes(robot)
+
+    def function(x: Array) -> tuple[Array, ...]:
+        flexible, rigid = dynamics.gains(robot, assembled(robot, x), output)
+        return merged(flexible), merged(rigid)
+
+    return Kernel("gains", function, (n,), (output.size * m, output.size * m))
+
+
+def contact_matrix(robot: Robot) -> Kernel:
+    """x -> the contact system's matrix, its independent rows: definite where the legs do not lock."""
+    n, N, _, _ = sizes(robot)
+    kept = robot.rows.kept
+
+    def function(x: Array) -> tuple[Array, ...]:
+        C = dynamics.contact_system(robot, assembled(robot, x), np.zeros(6 + N)).C
+        return (merged(C[..., kept, :][..., kept]),)
+
+    return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,))
+
+
 def derivative(robot: Robot) -> Kernel:
-    """(x, u, w) -> ẋ, powers, leg margins, as in `rate_of`."""
-    N, m, _ = sizes(robot)
+    """(x, u, w) -> ẋ, powers, health, as in `rate_of`."""
+    n, N, m, _ = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        return rate_of(robot, assembly.assemble(robot, coordinates(x, N)), x, u, w)
+        return rate_of(robot, assembled(robot, x), x, u, w)
 
-    return Kernel("derivative", function, (state_size(N), m, 6 + N), rate_sizes(robot))
+    return Kernel("derivative", function, (n, m, 6 + N), rate_sizes(robot))
 
 
-def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
-    """(x, wanted 24, gains 12, w) -> Γ, gain and J_p⁻ᵀ (by rows), and `rate_of` under Γ.
+def tracking(robot: Robot, output: Output) -> Kernel:
+    """(x, wanted 24, gains 12, w, preload) -> Γ, and `rate_of` under Γ.
 
     wanted = (p 3, R 9 by rows, V 6, V̇ 6) as in `trajectory.Sample`, gains = (kp 6, kd 6). The
-    target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp; the attitude error is the axial part
-    of RᵀR_d, which for small angles is their rotation vector. Γ does not know of the loads w.
+    target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp, of which the output takes its rows; the
+    attitude error is the axial part of RᵀR_d, which for small angles is their rotation vector. Γ
+    does not know of the loads w.
     """
-    N, m, _ = sizes(robot)
+    n, N, m, _ = sizes(robot)
 
-    def function(x: Array, wanted: Array, gains: Array, w: Array) -> tuple[Array, ...]:
-        now = coordinates(x, N)
+    def function(x: Array, wanted: Array, gains: Array, w: Array, preload: Array) -> tuple[Array, ...]:
+        system = assembled(robot, x)
+        now = system.x
         R_d = wanted[..., 3:12].reshape(wanted.shape[:-1] + (3, 3))
         R_pd = np.matmul(transpose(now.rotation), R_d)
         place = mtv(now.rotation, wanted[..., :3] - now.position)
@@ -85,51 +115,74 @@ def tracking(robot: Robot, output: dynamics.Output) -> Kernel:
             join([mv(R_pd, wanted[..., i : i + 3]), mv(R_pd, wanted[..., i + 3 : i + 6])]) for i in (12, 18)
         )
         kp, kd = gains[..., :6], gains[..., 6:]
-        target = acceleration + kd * (twist - now.twist) + kp * error
-        system = assembly.assemble(robot, now)
-        found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output)
-        gain, Jp_invT = (merged(a) for a in (found.gain, found.Jp_invT))
-        return (found.forces, gain, Jp_invT, *rate_of(robot, system, x, found.forces, w))
+        target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
+        found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output, preload)
+        return (found.forces, *rate_of(robot, system, x, found.forces, w))
 
-    return Kernel(
-        "tracking",
-        function,
-        (state_size(N), 24, 12, 6 + N),
-        (m, output.size * m, 6 * m, *rate_sizes(robot)),
-    )
+    return Kernel("tracking", function, (n, 24, 12, 6 + N, m), (m, *rate_sizes(robot)))
 
 
 def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-    """ẋ, the powers of actuators, wrenches and damping (a loss), and the leg margins."""
-    c = coordinates(x, robot.platform.modes)
-    Vd, qdd_e, _ = dynamics.direct_of(robot, system, u, w)
+    """ẋ, the powers of actuators, wrenches and damping (a loss), and the health."""
+    c = system.x
+    Vd, qdd_e, f = dynamics.direct_of(robot, system, u, w)
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
     rate = Vd - join([cross(omega, v_p), np.zeros(3)])
+    lost = dot(c.elastic_rate, robot.platform.damping * c.elastic_rate)
+    for leg in system.legs:
+        lost = lost + np.sum(dot(leg.qd, chain.friction(leg.group.chain, leg.qd)), axis=-1)
     powers = [
         dot(u, assembly.joint_rates(robot, system)),
         dot(w[..., :6], c.twist) + dot(w[..., 6:], c.elastic_rate),
-        dot(c.elastic_rate, robot.platform.damping * c.elastic_rate),
+        lost,
     ]
-    moved = join([mv(c.rotation, v_p), quaternion_rate(x[..., 3:7], omega), rate, c.elastic_rate, qdd_e])
-    return moved, join([power[..., None] for power in powers]), assembly.leg_margins(system)
+    turn = quaternion_rate(x[..., 3:7], omega)
+    carried = [c.qd, assembly.carried_accelerations(robot, system, u, f)]
+    moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, qdd_e, *carried])
+    return moved, join([power[..., None] for power in powers]), assembly.health(system)
 
 
 def rate_sizes(robot: Robot) -> tuple[int, int, int]:
     """Lengths of what `rate_of` returns."""
-    return state_size(robot.platform.modes), 3, 2 * len(robot.legs)
+    return robot.layout.size, 3, assembly.health_size(robot)
+
+
+def projection(robot: Robot) -> Kernel:
+    """x -> x nearer to the closure, in the metric of the robot's mass, and the health of x.
+
+    One step of Newton's method for the gaps, and one for their rates: M⁻¹ Gᵀ C⁻¹ gap.
+    """
+    n, N, _, _ = sizes(robot)
+
+    def function(x: Array) -> tuple[Array, ...]:
+        system = assembled(robot, x)
+        contact = dynamics.contact_system(robot, system, np.zeros(6 + N))
+        gap = join([np.zeros(0), *(merged(leg.gap) for leg in system.legs)])
+        gap_rate = join([np.zeros(0), *(merged(leg.gap_rate) for leg in system.legs)])
+        pulls = dynamics.contact_forces(robot, contact.C, stack([gap, gap_rate]))
+        (pose, bend), c = dynamics.acceleration_map(robot.platform, system, contact, pulls), system.x
+        q, qd = (assembly.carried_pull(robot, system, pulls[..., i]) for i in (0, 1))
+        turned = x[..., 3:7] + quaternion_rate(x[..., 3:7], pose[..., 3:, 0])
+        turned = turned / np.sqrt(dot(turned, turned))[..., None]
+        place = c.position + mv(c.rotation, pose[..., :3, 0])
+        rates = [c.elastic_rate + bend[..., 1], c.q - q, c.qd - qd]
+        moved = [place, turned, c.twist + pose[..., 1], c.elastic + bend[..., 0], *rates]
+        return join(moved), assembly.health(system)
+
+    return Kernel("projection", function, (n,), (n, assembly.health_size(robot)))
 
 
 def actuators(robot: Robot) -> Kernel:
     """x -> q_a and q̇_a, positions and rates of the actuated joints."""
-    N, m, _ = sizes(robot)
+    n, _, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = assembly.assemble(robot, coordinates(x, N))
+        system = assembled(robot, x)
         return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
 
-    return Kernel("actuators", function, (state_size(N),), (m, m))
+    return Kernel("actuators", function, (n,), (m, m))
 
 
-def sizes(robot: Robot) -> tuple[int, int, int]:
-    """Modes, forces, and contact force components."""
-    return robot.platform.modes, robot.n_forces, 3 * len(robot.tip_attachments)
+def sizes(robot: Robot) -> tuple[int, int, int, int]:
+    """Lengths of the flat state, the elastic coordinates, the forces and the contact forces."""
+    return robot.layout.size, robot.platform.modes, robot.n_forces, 3 * len(robot.tip_attachments)

@@ -58,6 +58,12 @@ class Symbol:
     def sqrt(self) -> "Symbol":
         return Symbol(casadi.sqrt(self.x))
 
+    def cos(self) -> "Symbol":
+        return Symbol(casadi.cos(self.x))
+
+    def sin(self) -> "Symbol":
+        return Symbol(casadi.sin(self.x))
+
     def arctan2(self, other: Number) -> "Symbol":
         return Symbol(casadi.atan2(self.x, expression(other)))
 

@@ -1,156 +1,98 @@
-"""What a leg is (its table), and what a leg type adds to it (its inverse geometry)."""
+"""What a leg type is: the inverse geometry of one kind of leg, for all legs of equal structure."""
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, Given
-from parflex.chain import Chain, Frames, Joints
-from parflex.check import all_of_type, exactly, integer, positive, rotation_matrix, scalar
-from parflex.errors import InputError
+from parflex.array import Array, join, stack
+from parflex.chain import Chain, Frames, Joints, frames, tip_position
+from parflex.legs.leg import Leg
+
+MARGINS = 2  # reach and regularity, per leg
 
 
-@dataclass(frozen=True, eq=False)
-class Joint:
-    """One row of Table 1 with the inertia of the link it carries; SI units and radians.
+class LegGroup(NamedTuple):
+    """L legs of one type and equal structure, their tables side by side."""
 
-    The joint variable is added to `theta` (sigma 0, revolute) or to `r` (sigma 1, prismatic).
-    `M`, `MS`, `I` are the link's mass (kg), first moments (kg m) and inertia about the origin of
-    the link frame (kg m², products as matrix entries), in link axes; grouped base parameters are
-    welcome. `IA` is the rotor inertia seen at the joint (kg m² or kg).
-
-    Friction `Fv` q̇ + `Fs` q̇/√(q̇² + v_s²) (Coulomb's, smoothed over the rate `v_s`) and a spring
-    `k` (q − q_0) act on the joint, the spring of a revolute joint within half a turn of `q_0`.
-    `q_min` and `q_max` are reported where they are exceeded, not enforced.
-
-    Raises InputError where a value is not finite, a flag is not 0 or 1, M, IA, friction or k is
-    negative, v_s is not positive, I is not symmetric, or q_min is not below q_max.
-    """
-
-    antecedent: int
-    sigma: int
-    mu: int = 0
-    gamma: float = 0.0
-    b: float = 0.0
-    alpha: float = 0.0
-    d: float = 0.0
-    theta: float = 0.0
-    r: float = 0.0
-    M: float = 0.0
-    MS: Given = (0.0, 0.0, 0.0)
-    I: Given = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
-    IA: float = 0.0
-    Fv: float = 0.0
-    Fs: float = 0.0
-    v_s: float = 1e-3
-    k: float = 0.0
-    q_0: float = 0.0
-    q_min: float = -np.inf
-    q_max: float = np.inf
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "antecedent", integer("Joint.antecedent", self.antecedent))
-        for name in ("sigma", "mu"):
-            if integer(f"Joint.{name}", getattr(self, name)) > 1:
-                raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
-        for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA", "Fv", "Fs", "k", "q_0"):
-            object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
-        for name in ("M", "IA", "Fv", "Fs", "k"):
-            if getattr(self, name) < 0:
-                raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
-        object.__setattr__(self, "v_s", positive("Joint.v_s", self.v_s))
-        if not self.q_min < self.q_max:
-            raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
-        object.__setattr__(self, "MS", exactly("Joint.MS", self.MS, (3,)))
-        inertia = exactly("Joint.I", self.I, (3, 3))
-        if not np.allclose(inertia, inertia.T, rtol=0, atol=1e-12 * np.abs(inertia).max()):
-            raise InputError("Joint.I is not symmetric; give products of inertia as matrix entries")
-        object.__setattr__(self, "I", inertia)
-
-
-@dataclass(frozen=True, eq=False)
-class Tip:
-    """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1) holds
-    the platform's attachment number `attachment` (from 0)."""
-
-    frame: int
-    offset: Given = (0.0, 0.0, 0.0)
-    attachment: int = 0
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "offset", exactly("Tip.offset", self.offset, (3,)))
-        object.__setattr__(self, "frame", integer("Tip.frame", self.frame, 1))
-        object.__setattr__(self, "attachment", integer("Tip.attachment", self.attachment))
-
-
-@dataclass(frozen=True, eq=False)
-class Leg:
-    """A rigid tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
-
-    `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
-    solutions they name the branch, where it has no closed form they start Newton's method; without
-    them it is the leg type's first branch, and zeros.
-
-    Raises InputError where the tree has a loop or a tip is on no link.
-    """
-
-    rotation: Given
-    origin: Given
-    joints: tuple[Joint, ...]
-    tips: tuple[Tip, ...]
-    posture: Given = None
-
-    def __post_init__(self) -> None:
-        rotation = exactly("Leg.rotation", self.rotation, (3, 3))
-        object.__setattr__(self, "rotation", rotation_matrix("Leg.rotation", rotation))
-        object.__setattr__(self, "origin", exactly("Leg.origin", self.origin, (3,)))
-        object.__setattr__(self, "joints", all_of_type("Leg.joints", self.joints, Joint))
-        object.__setattr__(self, "tips", all_of_type("Leg.tips", self.tips, Tip))
-        for number, joint in enumerate(self.joints, start=1):
-            if not 0 <= joint.antecedent < number:
-                raise InputError(
-                    f"Leg.joints: joint {number} has antecedent {joint.antecedent}; it must be a "
-                    f"lower joint number, or 0 for the base, so that the tree has no loop"
-                )
-        if not self.tips:
-            raise InputError("Leg.tips is empty; a leg holds the platform by at least one tip")
-        for tip in self.tips:
-            if not 1 <= tip.frame <= len(self.joints):
-                raise InputError(f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}")
-        if self.posture is not None:
-            object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
+    type: "LegType"
+    legs: tuple[int, ...]  # their numbers in the robot
+    chain: Chain
+    rotation: Array  # (L, 3, 3)
+    origin: Array  # (L, 3)
+    tip_frames: tuple[int, ...]  # index of the link that carries each of the t tips
+    offsets: Array  # (L, t, 3)
+    attachments: Array  # (L, t) int
+    actuated: tuple[int, ...]  # joint indices
+    forces: Array  # (L, actuated) int, positions in Γ
+    posture: Array  # (L, n)
+    branch: Array  # (L,), ±1: which solution of the inverse geometry
+    carried: Array  # (L, n) int, positions in the joints that the state carries; (L, 0) for none
 
     @property
-    def structure(self) -> tuple[object, ...]:
-        """What two legs must share to be computed in one pass."""
-        joints = tuple((j.antecedent, j.sigma, j.mu) for j in self.joints)
-        return joints, tuple(t.frame for t in self.tips)
-
-    @property
-    def word(self) -> str:
-        """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'."""
-        return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints)
+    def closed(self) -> bool:
+        """Whether the closure holds by itself: each tip is where the platform has it."""
+        return self.carried.shape[1] == 0 and 3 * len(self.tip_frames) == self.chain.n
 
 
 class LegType(ABC):
-    """Closed-form inverse geometry of one kind of leg, found by its table."""
+    """The inverse geometry of one kind of leg, found by its table.
+
+    Where a leg has fewer joints than its tips have coordinates, the formulas hold for tips that the
+    leg can reach exactly, and are smooth about them.
+    """
 
     name: str
+    carries = False  # whether the legs' joints are carried in the state
 
     @abstractmethod
     def recognises(self, leg: Leg) -> bool:
         """Whether the formulas of this type hold for the leg's table."""
 
-    @abstractmethod
-    def joints(self, chain: Chain, offsets: Array, tips: Array) -> Joints:
-        """Joint variables from the tip positions (…, L, t, 3) in Σ0i; `offsets` (L, t, 3)."""
+    def branch(self, group: LegGroup, joints: Joints, tips: Array) -> Array:
+        """Which solution (L,), +1 or −1, the joints at their tips (L, t, 3) in Σ0i belong to."""
+        return np.ones(len(group.legs))
 
     @abstractmethod
-    def rates(self, chain: Chain, frame: Frames, joints: Joints, tips: Array, v: Array) -> Array:
-        """Joint rates q̇ (…, L, n) from tip positions and velocities (…, L, t, 3) in Σ0i."""
+    def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
+        """Joint variables from the tip positions (…, L, t, 3) in Σ0i; q (…, L, n) where carried."""
 
     @abstractmethod
-    def margins(self, chain: Chain, joints: Joints, offsets: Array) -> tuple[Array, Array]:
-        """Two margins (…, L), of order 1 where all is well: the first is not positive where the leg
-        cannot reach its tips, the second is zero where its inverse geometry is singular."""
+    def rates(
+        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
+    ) -> Array:
+        """Joint rates q̇ (…, L, n) from the tips' positions and velocities (…, L, t, 3) in Σ0i."""
+
+    @abstractmethod
+    def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
+        """Reach and regularity (…, L), of order 1 where all is well: the first is not positive where
+        the leg cannot reach its tips, the second is zero where its inverse geometry is singular."""
+
+
+def joints_at(chain: Chain, q: Array) -> Joints:
+    """Joint variables of given positions q (…, L, n)."""
+    slides = chain.sigma
+    one, zero = np.ones(()), np.zeros(())
+    return Joints(
+        cos=stack([one if slide else np.cos(q[..., j]) for j, slide in enumerate(slides)]),
+        sin=stack([zero if slide else np.sin(q[..., j]) for j, slide in enumerate(slides)]),
+        length=stack([q[..., j] if slide else zero for j, slide in enumerate(slides)]),
+    )
+
+
+def tips_at(group: LegGroup, joints: Joints) -> Array:
+    """Tip positions (…, L, t, 3) in Σ0i."""
+    frame = frames(group.chain, joints)
+    places = [tip_position(frame, j, group.offsets[:, t]) for t, j in enumerate(group.tip_frames)]
+    return stack(places, axis=-2)
+
+
+def settled(group: LegGroup) -> LegGroup | None:
+    """The group on the branch of its posture; None where the posture is on no branch of its type."""
+    given = joints_at(group.chain, group.posture)
+    tips = tips_at(group, given)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        chosen = group._replace(branch=group.type.branch(group, given, tips))
+        found = group.type.joints(chosen, tips, group.posture)
+    error = [np.max(np.abs(a - b), axis=-1) for a, b in zip(found, given, strict=True)]
+    return chosen if np.all(join(error) < 1e-6) else None

@@ -1,0 +1,58 @@
+"""Forward geometry: the poses to which given actuated joints lead."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.closure import CLOSED, POSE, displaced, posed, size_of, units
+from parflex.errors import NotConverged
+from parflex.progress import Progress
+
+if TYPE_CHECKING:
+    from parflex.model import Model
+
+CLOSE_ENOUGH = 1e3 * CLOSED  # of the platform's size
+SAME = 1e-6  # of the platform's size and a radian: poses that are one
+SPREAD = (3.0, np.pi)  # random starts: of the platform's size, rad
+
+
+def pose(model: "Model", wanted: Array, start: Array) -> Array:
+    """The flat state whose actuated joints are as wanted (m,), from a flat state near it."""
+    found, gap = posed(model.robot, start, wanted)
+    if not gap <= CLOSE_ENOUGH * max(1.0, size_of(model.robot)):
+        raise NotConverged(
+            f"no pose with these actuated joints was found from the guess, a gap of {gap:.2g} m or rad "
+            f"remains; give a guess nearer to it, or look for all poses with model.poses"
+        )
+    return found
+
+
+def every_pose(model: "Model", wanted: Array, start: Array, starts: int, seed: int) -> list[Array]:
+    """All poses found from random starts about a flat state, the nearest to it first."""
+    robot, rng, found = model.robot, np.random.default_rng(seed), [np.empty((0, len(start)))]
+    size = size_of(robot)
+    spread = units(robot, POSE) * np.concatenate(
+        [np.full(3, SPREAD[0] * size), np.full(len(units(robot, POSE)) - 3, SPREAD[1] * size)]
+    )
+    with Progress("poses", starts) as bar:
+        for done in range(starts):
+            step = spread * rng.uniform(-1, 1, len(spread)) * (done > 0)
+            x, gap = posed(robot, displaced(robot, start, step), wanted)
+            if gap <= CLOSE_ENOUGH * max(1.0, size) and not any(same(x, other, size) for other in found[1:]):
+                found.append(x)
+            bar.to(done + 1)
+    return sorted(found[1:], key=lambda x: distance(x, start, size))
+
+
+def same(a: Array, b: Array, size: float) -> bool:
+    """Whether two flat states are one pose, with the same joints."""
+    tail = 13
+    apart = np.max(np.abs(a[tail:] - b[tail:]), initial=0.0)
+    return max(distance(a, b, size), apart) < SAME * max(1.0, size)
+
+
+def distance(a: Array, b: Array, size: float) -> float:
+    """Between two poses, m, with the angle on the platform's size."""
+    angle = 2 * np.arccos(np.minimum(1.0, np.abs(np.dot(a[3:7], b[3:7]))))
+    return float(np.linalg.norm(a[:3] - b[:3]) + size * angle)

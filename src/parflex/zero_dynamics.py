@@ -1,0 +1,129 @@
+"""How well an output is commanded: gains, what bending makes of them, elastic zero dynamics."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.assembly import assemble
+from parflex.closure import (
+    ALL,
+    accelerated,
+    carried_part,
+    closure_matrix,
+    displaced,
+    size_of,
+    units,
+)
+from parflex.compiled import kernels
+from parflex.mobility import null_space
+from parflex.output import Output
+from parflex.robot import Robot
+from parflex.singular import by_rows, gain_ratio, ratio
+from parflex.state import State, coordinates
+
+if TYPE_CHECKING:
+    from parflex.model import Model
+
+STEP = 1e-6  # of the platform's size, for differences
+
+
+@dataclass(frozen=True)
+class OutputReport:
+    """An output about an equilibrium.
+
+    gain_ratio holds the eigenvalues (o,) of what bending makes of the output's acceleration: 1
+    where the platform might as well be rigid, negative where it accelerates against its actuators.
+    poles (1/s) are those of the motion that is left while the output is held still.
+    """
+
+    state: State
+    forces: Array  # (m,)
+    conditioning: float  # largest over smallest singular value of ∂output/∂Γ, lengths scaled
+    gain_ratio: Array  # (o,), complex where they pair
+    poles: Array  # (2 n,) complex
+
+    @property
+    def sign(self) -> int:
+        """Of det ∂output/∂Γ against that of a rigid platform."""
+        return int(np.sign(np.prod(self.gain_ratio).real))
+
+    @property
+    def stable(self) -> bool:
+        """Whether the motion that is left dies away."""
+        return bool(np.all(self.poles.real < 0))
+
+    def __str__(self) -> str:
+        """A paragraph to read."""
+        weakest = self.gain_ratio[np.argmin(np.abs(self.gain_ratio))].real
+        words = [f"∂output/∂Γ has condition number {self.conditioning:.3g}; bending leaves"]
+        words.append(f"{100 * weakest:.2g} % of the weakest gain of a rigid platform.")
+        if self.sign < 0:
+            words.append("Its determinant has the opposite sign.")
+        if len(self.poles):
+            worst = self.poles[np.argmax(self.poles.real)]
+            words.append(f"The rightmost pole of the elastic zero dynamics is {worst:.4g} 1/s:")
+            words.append(
+                "control of this output " + ("leaves the modes stable." if self.stable else "is unstable.")
+            )
+        return " ".join(words)
+
+
+def output_report(model: "Model", state: State, output: Output) -> OutputReport:
+    """The report about the equilibrium in the pose of a state."""
+    robot = model.robot
+    held, forces = model.static(state.position, state.rotation)
+    x = model.flat(held)
+    flexible, rigid = (by_rows(robot, output, g) for g in model.function(kernels.gains, output)(x))
+    return OutputReport(
+        held,
+        forces,
+        conditioning=1.0 / max(float(ratio(flexible)), np.finfo(float).tiny),
+        gain_ratio=np.linalg.eigvals(gain_ratio(flexible, rigid)),
+        poles=zero_poles(model, x, forces, output),
+    )
+
+
+def zero_poles(model: "Model", x: Array, forces: Array, output: Output) -> Array:
+    """Poles (2 n,) of the motion left about an equilibrium x while the output does not accelerate.
+
+    By central differences of the inverse model, along the motions that keep closure and output.
+    """
+    robot, n = model.robot, model.robot.layout.carried
+    T = held_motions(model, x, output)
+    platform, joints = np.split(T, [6 + robot.layout.modes])
+    kept = np.concatenate([platform, carried_part(robot, joints.T).T])
+    steps = STEP * size_of(robot) * np.concatenate([T.T, -T.T])
+    states = np.concatenate(
+        [displaced(robot, np.broadcast_to(x, (len(steps), len(x))), steps)]
+        + [accelerated(robot, np.broadcast_to(x, (len(steps), len(x))), steps)]
+    )
+    none = np.zeros(6 + robot.layout.modes)
+    target = np.zeros(output.size)
+    Gamma = model.function(kernels.inverse, output)(states, target, none, forces)[0]
+    rates = model.function(kernels.derivative)(states, Gamma, none)[0]
+    N = robot.layout.modes
+    a = np.concatenate([rates[:, 7:13], rates[:, 13 + N : 13 + 2 * N], rates[:, len(x) - n :]], axis=-1)
+    plus_place, minus_place, plus_rate, minus_rate = np.split(a @ np.linalg.pinv(kept).T, 4)
+    span = 2 * STEP * size_of(robot)
+    A, B = (plus_place - minus_place).T / span, (plus_rate - minus_rate).T / span
+    one, zero = np.eye(len(A)), np.zeros(A.shape)
+    return np.sort_complex(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
+
+
+def held_motions(model: "Model", x: Array, output: Output) -> Array:
+    """Motions (6 + N + n, d) that the closure allows and the output does not see."""
+    robot, N = model.robot, model.robot.layout.modes
+    c = coordinates(x, robot.layout)
+    every = np.eye(6 + N)
+    seen = output.linear(robot.platform, c, every[:6], every[6:])
+    G = closure_matrix(assemble(robot, c))
+    blind = np.zeros((output.size, all_joints(robot)))
+    scale = units(robot, ALL)
+    return scale[:, None] * null_space(np.vstack([G, np.hstack([seen, blind])]) * scale)
+
+
+def all_joints(robot: Robot) -> int:
+    """n, the joints of all legs."""
+    return sum(len(leg.joints) for leg in robot.legs)
