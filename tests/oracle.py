@@ -7,7 +7,8 @@ set of links, each with the Jacobian of its own motion; nothing is eliminated fr
     [ 0   A   Jᵀ ] [q̈] = [ SΓ − b ]     q̈ of all joints
     [−W   J   0  ] [f]   [ h − J̇q̇ ]     f of the tips on the platform, world axes
 
-A robot is anything with `legs` and `gravity`; states are single, not batches.
+A robot is anything with `legs` and `gravity`; states are single, not batches. Joint friction and springs are
+part of b; where rows of the closure repeat each other the accelerations are still unique, the forces f not.
 """
 
 from dataclasses import dataclass, replace
@@ -18,6 +19,7 @@ from scipy.linalg import block_diag
 
 from parflex.fe import plate
 
+RANK = 1e-9  # below this part of the largest singular value a row is a repetition
 STEP = 1e-30  # of a complex step, f(x + iεv) = f + iε f′v: no truncation, no cancellation
 
 
@@ -152,14 +154,27 @@ def joint_values(leg, tips, q):
     raise ValueError("the leg does not reach its tips from this start")
 
 
-def leg_dynamics(leg, q, tip_velocities, gravity):
-    """A, b, J and J̇q̇ of A q̈ + b = SΓ − Jᵀf: A = Σ JᵀMJ + IA, b = Σ Jᵀ(M (J̇q̇ − g) + quadratic terms).
+def joint_rates(leg, q, tip_velocities, rates=0.0):
+    """q̇ that moves the tips (t, 3) so, the nearest one to `rates` where the tips leave a choice."""
+    J = tip_rows(leg, tree(leg, q)[2])
+    rates = rates + np.zeros(len(q))
+    return rates + np.linalg.lstsq(J, tip_velocities.ravel() - J @ rates, rcond=None)[0]
+
+
+def joint_loads(leg, q, qd):
+    """Friction Fv q̇ + Fs q̇/√(q̇² + v_s²) and springs k (q − q_0), against the motion of each joint."""
+    viscous, dry, v_s, k, q_0 = np.array([(j.Fv, j.Fs, j.v_s, j.k, j.q_0) for j in leg.joints]).T
+    return viscous * qd + dry * qd / np.hypot(qd, v_s) + k * (q - q_0)
+
+
+def leg_dynamics(leg, q, qd, gravity):
+    """A, b, J and J̇q̇ of A q̈ + b = SΓ − Jᵀf: A = Σ JᵀMJ + IA, b = Σ Jᵀ(M (J̇q̇ − g) + quadratic terms)
+    + friction and springs.
 
     Newton and Euler about the origins of the link frames: M, MS and I enter linearly, so that grouped
     parameters, which no real link has, are welcome.
     """
     R, _, J = tree(leg, q)
-    qd = np.linalg.lstsq(tip_rows(leg, J), tip_velocities.ravel(), rcond=None)[0]
     drift = tree(leg, q + 1j * STEP * qd)[2].imag / STEP @ qd
     J_o, drift_o, omega = J[: len(q)], drift[: len(q)], (J @ qd)[: len(q), None, 3:]
     mass = np.array([joint.M * np.eye(3) for joint in leg.joints])
@@ -170,7 +185,7 @@ def leg_dynamics(leg, q, tip_velocities, gravity):
     quadratic = cross(omega, np.concatenate([cross(omega, MS), omega @ inertia], axis=1)).reshape(-1, 6)
     A = np.einsum("jai,jab,jbk->ik", J_o, M, J_o) + np.diag([joint.IA for joint in leg.joints])
     force = np.einsum("jab,jb->ja", M, drift_o - np.pad(gravity, (0, 3))) + quadratic
-    b = np.einsum("jai,ja->i", J_o, force)
+    b = np.einsum("jai,ja->i", J_o, force) + joint_loads(leg, q, qd)
     return A, b, tip_rows(leg, J), tip_rows(leg, drift)
 
 
@@ -183,6 +198,7 @@ class System(NamedTuple):
     R: np.ndarray  # (3, 3), Σp in the world
     sizes: list  # of v̇, ω̇ together, q̈_e, q̈ of each leg, f
     held: np.ndarray  # (k, tips), 1 where an attachment is held by a tip
+    repeats: bool  # whether rows of the closure depend on each other: K is singular, f not unique
 
 
 class Motion(NamedTuple):
@@ -195,9 +211,10 @@ class Motion(NamedTuple):
     forces: np.ndarray
 
 
-def system(robot, platform, state, generalised_wrench=None, start=None):
+def system(robot, platform, state, generalised_wrench=None, start=None, rates=None):
     """All nodes, all links, closure at all tips. `start`: joint values near the solution, per leg (U-P-S legs
-    need none); `generalised_wrench` (6 + N,): a sum of `node_force`."""
+    need none); `rates`: q̇ per leg, where the tips alone do not give it; `generalised_wrench` (6 + N,): a sum
+    of `node_force`."""
     M, c = platform.dynamics(state, robot.gravity)
     held = [tip.attachment for leg in robot.legs for tip in leg.tips]
     points = platform.attachments[held], platform.attachment_shapes[held]
@@ -206,7 +223,8 @@ def system(robot, platform, state, generalised_wrench=None, start=None):
     for number, leg in enumerate(robot.legs):
         mine = slice(first, first := first + len(leg.tips))
         q = joint_values(leg, places[mine], ups_start(leg, places[mine]) if start is None else start[number])
-        models.append(leg_dynamics(leg, q, velocities[mine], robot.gravity))
+        qd = joint_rates(leg, q, velocities[mine], 0.0 if rates is None else rates[number])
+        models.append(leg_dynamics(leg, q, qd, robot.gravity))
     A, b, J, drift = zip(*models, strict=True)
     closure = np.hstack([-W.reshape(-1, len(M)), block_diag(*J)])
     K = np.block([[block_diag(M, *A), closure.T], [closure, np.zeros((len(closure), len(closure)))]])
@@ -215,16 +233,22 @@ def system(robot, platform, state, generalised_wrench=None, start=None):
     actuated = np.flatnonzero([joint.mu for leg in robot.legs for joint in leg.joints])
     S, by_tip = np.eye(len(K))[:, len(M) + actuated], np.eye(len(platform.attachments))[:, held]
     sizes = [6, len(M) - 6, *map(len, b), len(closure)]
-    return System(K, rhs, S, np.asarray(state.rotation), sizes, by_tip)
+    repeats = bool(np.linalg.matrix_rank(closure, rtol=RANK) < len(closure))
+    return System(K, rhs, S, np.asarray(state.rotation), sizes, by_tip, repeats)
 
 
-def balanced_solve(K, rhs):
-    """K⁻¹ rhs, after rows and columns of different units (kg, m, kg m²) were brought to one size."""
+def balanced_solve(K, rhs, singular=False):
+    """K⁻¹ rhs, after rows and columns of different units (kg, m, kg m²) were brought to one size; where K is
+    singular by its repeated rows, by its pseudo-inverse: of all solutions, which share their accelerations,
+    the shortest in the balanced units."""
     rows, columns = np.ones(len(K)), np.ones(len(K))
     for _ in range(5):
         scaled = np.abs(rows[:, None] * K * columns)
         rows, columns = rows / np.sqrt(scaled.max(axis=1)), columns / np.sqrt(scaled.max(axis=0))
-    return columns * np.linalg.solve(rows[:, None] * K * columns, rows * rhs)
+    balanced, rhs = rows[:, None] * K * columns, rows * rhs
+    if singular:
+        return columns * np.linalg.lstsq(balanced, rhs, rcond=RANK)[0]
+    return columns * np.linalg.solve(balanced, rhs)
 
 
 def motion(at, x):
@@ -236,24 +260,40 @@ def motion(at, x):
 
 def direct_of(at, forces):
     """The direct model of a system."""
-    return motion(at, np.concatenate([balanced_solve(at.K, at.rhs + at.S @ forces), forces]))
+    x = balanced_solve(at.K, at.rhs + at.S @ forces, at.repeats)
+    return motion(at, np.concatenate([x, forces]))
 
 
 def inverse_of(at, target, rows=range(6)):
-    """The inverse model: Γ joins the unknowns, the wanted rows of V̇_p = diag(Rᵀ, Rᵀ)(v̇, ω̇) the equations."""
+    """The inverse model: Γ joins the unknowns y, the wanted rows of V̇_p = diag(Rᵀ, Rᵀ)(v̇, ω̇) the equations
+    B y = d. More actuators than rows leave a choice, of which Γ is the shortest: min ½ |Γ|², B y = d, by its
+    multipliers λ."""
     wanted = np.pad(np.kron(np.eye(2), at.R.T), ((0, 0), (0, len(at.K) - 6)))[list(rows)]
-    larger = np.block([[at.K, -at.S], [wanted, np.zeros((len(wanted), at.S.shape[1]))]])
-    return motion(at, balanced_solve(larger, np.concatenate([at.rhs, target])))
+    B = np.block([[at.K, -at.S], [wanted, np.zeros((len(wanted), at.S.shape[1]))]])
+    d = np.concatenate([at.rhs, target])
+    if B.shape[0] < B.shape[1]:
+        shortest = np.diag(np.repeat([0.0, 1.0], [len(at.K), at.S.shape[1]]))
+        B = np.block([[shortest, B.T], [B, np.zeros((len(B), len(B)))]])
+        d = np.concatenate([np.zeros(len(shortest)), d])
+    y = balanced_solve(B, d, at.repeats)
+    return motion(at, y[: len(at.K) + at.S.shape[1]])
 
 
-def direct(robot, platform, state, forces, generalised_wrench=None, start=None):
+def direct(robot, platform, state, forces, **options):
     """V̇_p (6,), q̈_e (N,), contact forces (k, 3), all in Σp, and q̈ per leg for given Γ (m,); the options are
     those of `system`."""
-    return direct_of(system(robot, platform, state, generalised_wrench, start), forces)[:4]
+    return direct_of(system(robot, platform, state, **options), forces)[:4]
 
 
-def inverse(robot, platform, state, target, generalised_wrench=None, start=None, rows=range(6)):
+def inverse(robot, platform, state, target, rows=range(6), **options):
     """Γ (m,) that gives these rows of V̇_p the values `target`, and q̈_e (N,); the options are those of
     `system`."""
-    found = inverse_of(system(robot, platform, state, generalised_wrench, start), target, rows)
+    found = inverse_of(system(robot, platform, state, **options), target, rows)
     return found.forces, found.elastic
+
+
+def stacked(motions):
+    """One Motion whose fields are arrays with the states in front."""
+    fields = [list(field) for field in zip(*motions, strict=True)]
+    qdd = [np.array(leg) for leg in zip(*fields[3], strict=True)]
+    return Motion(*(np.array(field) for field in fields[:3]), qdd, np.array(fields[4]))

@@ -1,13 +1,5 @@
-"""The oracle against stored reference cases, and the library against the oracle.
+"""The library against the oracle, on the paper's robot. `test_cases.py` holds both against stored cases."""
 
-The cases are looked for in the subfolder `robots` of the folder that the environment variable PARFLEX_CASES
-names; without it those tests are skipped.
-"""
-
-import json
-import os
-from pathlib import Path
-from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,7 +13,6 @@ from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners
 pytestmark = pytest.mark.filterwarnings("ignore:.*cut a degenerate pair")
 
 # Errors are max|Δ| / max(1, max|x|) of a block of one state.
-CASES = 1e-11  # solved in 80 bits, scaled condition below 20: round-off of ours leaves 1e-13
 LIBRARY = 1e-10  # two solutions in 64 bits, near singular poses too: round-off leaves 1e-12
 SAME = 1e-12  # the same operations, but sums may be split otherwise
 SAME_MODES = 1e-11  # the same eigenvalue problem solved twice; threads may add in another order
@@ -35,82 +26,6 @@ def error(found, wanted):
     found, wanted = (np.reshape(x, (len(wanted), -1)) for x in (found, wanted))
     size = np.max(np.abs(wanted), axis=1, initial=1.0)
     return np.max(np.max(np.abs(found - wanted), axis=1, initial=0.0) / size)
-
-
-def stacked(motions):
-    """One Motion whose fields are arrays with the states in front; joint accelerations side by side."""
-    flat = [m._replace(qdd=np.concatenate(m.qdd)) for m in motions]
-    return oracle.Motion(*(np.array(field) for field in zip(*flat, strict=True)))
-
-
-# --- the oracle against the cases ---
-
-
-class Case(NamedTuple):
-    robot: SimpleNamespace  # legs and gravity
-    flexible: dict  # arrays of the flexible file: nodes and shapes
-    name: str
-    folder: Path
-
-
-@pytest.fixture(scope="module", params=["rus6", "rps3", "delta3"])
-def case(request):
-    if "PARFLEX_CASES" not in os.environ:
-        pytest.skip("PARFLEX_CASES does not name the folder of the reference cases")
-    folder = Path(os.environ["PARFLEX_CASES"]) / "robots"
-    table = folder / f"{request.param}.json"
-    if not table.exists():
-        pytest.skip(f"PARFLEX_CASES has no robots/{table.name}")
-    data = json.loads(table.read_text())
-    robot = SimpleNamespace(legs=[leg(row) for row in data["legs"]], gravity=data["gravity"])
-    return Case(robot, dict(np.load(folder / f"{request.param}_flex.npz")), request.param, folder)
-
-
-def leg(row):
-    """A leg from its JSON table."""
-    names = ("antecedent", "sigma", "mu", "gamma", "b", "alpha", "d", "theta", "r", "IA")
-    joints = [pf.Joint(**{name: j[name] for name in names}, **j["link"]) for j in row["joints"]]
-    tips = [pf.Tip(**tip) for tip in row["tips"]]
-    return pf.Leg(row["base"]["rotation"], row["base"]["origin"], joints, tips)
-
-
-@pytest.mark.parametrize("kind", ["rigid", "flex", "nostiff"])
-def test_oracle_reproduces_case(case, kind):
-    """Direct and inverse models; 'nostiff' is 'flex' with K = D = 0, where inertia is not hidden."""
-    nodes = case.flexible
-    arrays = np.load(case.folder / f"{case.name}_rigid.npz") if kind == "rigid" else nodes
-    modes = 0 if kind == "rigid" else len(nodes["frequencies"])
-    platform = oracle.nodal_platform(
-        nodes["node_positions"],
-        nodes["node_masses"],
-        nodes["shapes"][:modes],
-        nodes["frequencies"][:modes] * (kind != "nostiff"),
-        nodes["damping_ratio"],
-        nodes["attachment_nodes"],
-    )
-    rows = np.argmax(arrays["S_o"], axis=1)
-    direct, inverse = [], []
-    fields = ("position", "rotation", "twist", "elastic", "elastic_rate")
-    for s, q in enumerate(arrays["q"]):
-        state = pf.State(*(arrays[field][s] for field in fields))
-        forces, target = arrays["forces"][s], arrays["inverse_target"][s]
-        system = oracle.system(case.robot, platform, state, start=q)
-        direct.append(oracle.direct_of(system, forces))
-        inverse.append(oracle.inverse_of(system, target, rows))
-    stored = {"platform": "platform", "elastic": "elastic", "qdd": "qdd", "forces": "forces"}
-    stored["contact_forces"] = "contact_platform"
-    words = ("nostiff", "nostiff_inverse") if kind == "nostiff" else ("direct", "inverse")
-    errors = {
-        f"{word}_{name}": error(getattr(motion, field), arrays[f"{word}_{name}"])
-        for word, motion in zip(words, map(stacked, (direct, inverse)), strict=True)
-        for field, name in stored.items()
-        if f"{word}_{name}" in arrays
-    }
-    assert len(errors) >= 6
-    assert max(errors.values()) <= CASES, errors
-
-
-# --- the library against the oracle ---
 
 
 class Problem(NamedTuple):
@@ -145,10 +60,12 @@ def problem(robot, cloud, count, elastic, elastic_rate, static, rng, node=None):
     for s in range(count):
         state = states[s]
         load = None if node is None else cloud.node_force(state, node, pushes[s])
-        system = oracle.system(robot, cloud, state, load)
+        system = oracle.system(robot, cloud, state, generalised_wrench=load)
         direct.append(oracle.direct_of(system, forces[s]))
         inverse.append(oracle.inverse_of(system, target[s]))
-    return Problem(robot, cloud, states, forces, target, wrenches, stacked(direct), stacked(inverse))
+    return Problem(
+        robot, cloud, states, forces, target, wrenches, oracle.stacked(direct), oracle.stacked(inverse)
+    )
 
 
 @pytest.fixture(scope="module", params=list(STATES))
@@ -222,10 +139,10 @@ def test_direct_and_inverse_by_name(blob):
     force = blob.wrenches[0].force[0]
     state, robot, cloud = blob.states[0], blob.robot, blob.cloud
     load = cloud.node_force(state, blob.wrenches[0].node, force)
-    direct = oracle.direct(robot, cloud, state, blob.forces[0], load)
-    inverse = oracle.inverse(robot, cloud, state, blob.target[0], load)
-    found = (*direct[:3], np.concatenate(direct[3]), *inverse)
-    wanted = (*blob.direct[:4], blob.inverse.forces, blob.inverse.elastic)
+    direct = oracle.direct(robot, cloud, state, blob.forces[0], generalised_wrench=load)
+    inverse = oracle.inverse(robot, cloud, state, blob.target[0], generalised_wrench=load)
+    found = (*direct[:3], *direct[3], *inverse)
+    wanted = (*blob.direct[:3], *blob.direct[3], blob.inverse.forces, blob.inverse.elastic)
     assert all(error([x], y[:1]) <= SAME for x, y in zip(found, wanted, strict=True))
 
 

@@ -1,0 +1,349 @@
+"""The oracle and the library against stored reference cases, and the same robots written otherwise."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+import cases
+import oracle
+import parflex as pf
+from cases import KINDS, NAMES
+from conftest import relative
+from parflex import assembly, chain
+from parflex.energy import energies
+from parflex.platform import platform_terms
+from rewriting import REWRITINGS
+from sample import FIELDS, Sample, with_joints
+
+# The cases were computed in 80 bits; the scaled condition of their systems is below 20.
+ORACLE = 1e-11  # two solutions in 64 bits: round-off leaves 1e-13
+LIBRARY = 1e-9  # the accuracy the library promises; round-off leaves 1e-12
+STILL = 1e-9  # what is left of gravity's m/s² and of K q_e / m where all is in balance
+RUN = 1e-8  # over half a second at rtol 1e-11; the stored runs are good to 1e-9 and better
+CLOSED = 1e-10  # m and m/s: the simulator projects onto the closure
+
+BACKENDS = ("numpy", "vm")
+ANSWERS = {
+    "platform": "platform",
+    "elastic": "elastic",
+    "forces": "forces",
+    "contact_forces": "contact_platform",
+}
+
+
+@pytest.fixture(params=[(name, kind) for name in NAMES for kind in KINDS], ids="-".join)
+def which(request):
+    """Name and kind of a case."""
+    return request.param
+
+
+@cache
+def model(name: str, kind: str, backend: str) -> pf.Model:
+    return pf.Model(cases.case(name, kind).robot, backend)
+
+
+def errors_of(word, answer, stored):
+    """Errors of a direct or inverse model's answer against what is stored of it."""
+    keys = {field: f"{word}_{key}" for field, key in ANSWERS.items() if hasattr(answer, field)}
+    return {
+        key: relative(getattr(answer, field), stored[key]) for field, key in keys.items() if key in stored
+    }
+
+
+def check(errors, tolerance, at_least=1):
+    """All errors below the tolerance, and as many of them as there are things to compare."""
+    assert len(errors) >= at_least, errors
+    assert max(errors.values()) <= tolerance, errors
+
+
+# --- the oracle ---
+
+
+def test_oracle_reproduces_case(which):
+    """Direct and inverse models, with joint accelerations."""
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    errors = errors_of("direct", sample.direct, stored) | errors_of("inverse", sample.inverse, stored)
+    for word, answer in {"direct": sample.direct, "inverse": sample.inverse}.items():
+        if f"{word}_qdd" in stored:
+            errors[f"{word}_qdd"] = relative(np.stack(answer.qdd, axis=1), stored[f"{word}_qdd"])
+    check(errors, ORACLE, at_least=6)
+
+
+def test_oracle_reproduces_leg_and_platform_models(which):
+    """A, b, J, J̇q̇ of each leg and M, c of the platform, which the oracle has in world axes."""
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    found = {"leg_A": [], "leg_c": [], "leg_J": [], "leg_Jdqd": [], "platform_M": [], "platform_c": []}
+    for s in range(len(sample.forces)):
+        joints = [(leg, q[s], qd[s]) for leg, q, qd in zip(sample.legs, sample.q, sample.qd, strict=True)]
+        terms = zip(*(oracle.leg_dynamics(*leg, sample.gravity) for leg in joints), strict=True)
+        for name, values in zip(("leg_A", "leg_c", "leg_J", "leg_Jdqd"), terms, strict=True):
+            found[name].append(np.array(values))
+        M, c = sample.cloud.dynamics(sample.platform[s], sample.gravity)
+        turn = np.eye(len(M))
+        turn[:3, :3] = turn[3:6, 3:6] = sample.platform[s].rotation
+        found["platform_M"].append(turn.T @ M @ turn)
+        found["platform_c"].append(turn.T @ c)
+    check({k: relative(np.array(v), stored[k]) for k, v in found.items() if k in stored}, ORACLE, at_least=5)
+
+
+def test_states_are_on_the_closure(which):
+    sample = cases.case(*which)
+    for s, q in enumerate(zip(*sample.q, strict=True)):
+        assert max(sample.open(sample.platform[s], q)) <= 1e-14
+
+
+@pytest.mark.parametrize("rewriting", REWRITINGS)
+def test_rewritten_robot_is_the_same_robot(which, rewriting):
+    """By the oracle; at other joint values it would not be."""
+    sample = cases.case(*which)
+    other = rewriting(sample)
+    for found, wanted in ((other.direct, sample.direct), (other.inverse, sample.inverse)):
+        errors = {name: relative(getattr(found, name), getattr(wanted, name)) for name in ANSWERS}
+        errors["qdd"] = relative(
+            np.abs(np.concatenate(found.qdd, axis=-1)), np.abs(np.concatenate(wanted.qdd, axis=-1))
+        )
+        check(errors, ORACLE)
+    tables = [[(j.gamma, j.b, j.theta, j.r) for j in leg.joints] for leg in other.legs]
+    assert np.all(np.concatenate(tables)[:, 0] != 0)
+
+
+# --- the library: its parts ---
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("name", NAMES)
+def test_platform_model(name, kind):
+    sample, stored = cases.case(name, kind), cases.arrays(name, kind)
+    state, body = sample.platform, sample.body
+    gravity = np.swapaxes(state.rotation, -1, -2) @ sample.gravity
+    terms = platform_terms(body, state.twist[:, 3:], state.elastic, state.elastic_rate, gravity)
+    M = [np.concatenate([terms.A_rr, terms.A_re], axis=-1)]
+    m_ee = np.broadcast_to(body.m_ee, (len(gravity), *body.m_ee.shape))
+    M += [np.concatenate([np.swapaxes(terms.A_re, -1, -2), m_ee], axis=-1)]
+    errors = {"platform_M": relative(np.concatenate(M, axis=-2), stored["platform_M"])}
+    if "platform_c" in stored:
+        errors["platform_c"] = relative(np.concatenate([terms.c_r, terms.c_e], axis=-1), stored["platform_c"])
+    check(errors, LIBRARY)
+
+
+def test_leg_models(which):
+    """A, c; J, J̇q̇ and the tips, turned into the world."""
+    stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
+    states = cases.case(*which).states
+    system = assembly.assemble(numpy_model.robot, numpy_model._coordinates(states))
+    R = np.asarray(states.rotation)[:, None]
+    errors = {}
+    for number, leg in enumerate(system.legs):
+        mine = list(leg.group.legs)
+        rows = leg.J.reshape(*leg.J.shape[:-2], -1, 3, leg.J.shape[-1])
+        drift = leg.Jdqd.reshape(*leg.Jdqd.shape[:-1], -1, 3)
+        tips = [
+            leg.group.origin
+            + (leg.group.rotation @ chain.tip_position(leg.frames, j, leg.group.offsets[:, t])[..., None])[
+                ..., 0
+            ]
+            for t, j in enumerate(leg.group.tip_frames)
+        ]
+        found = {
+            "leg_A": leg.A,
+            "leg_c": leg.c,
+            "leg_J": (R[:, :, None] @ rows).reshape(leg.J.shape),
+            "leg_Jdqd": (R[:, :, None] @ drift[..., None]).reshape(leg.Jdqd.shape),
+            "leg_tip": np.concatenate(tips, axis=-1),
+        }
+        errors |= {f"{k}[{number}]": relative(v, stored[k][:, mine]) for k, v in found.items()}
+    check(errors, LIBRARY, at_least=5)
+
+
+def test_energies(which):
+    stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
+    kinetic, weight, strain = energies(numpy_model.robot, numpy_model._coordinates(cases.case(*which).states))
+    errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
+    if "potential_energy" in stored:
+        errors["potential"] = relative(weight + strain, stored["potential_energy"])
+    check(errors, LIBRARY)
+
+
+def test_joints(which):
+    """Joint positions and rates from the platform, with the stored joints as a start and without any."""
+    sample, numpy_model = cases.case(*which), model(*which, "numpy")
+    for state in (sample.states, sample.platform):
+        legs = numpy_model.legs(state)
+        check({f"q[{i}]": relative(q, sample.q[i]) for i, q in enumerate(legs.q)}, LIBRARY)
+        check({f"qd[{i}]": relative(qd, sample.qd[i]) for i, qd in enumerate(legs.qd)}, LIBRARY)
+
+
+# --- the library: its models ---
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_direct_model(which, backend):
+    """Accelerations and contact forces."""
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    found = model(*which, backend).direct(sample.states, sample.forces)
+    assert stored["contact_unique"]
+    check(errors_of("direct", found, stored), LIBRARY, at_least=3)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_joint_accelerations(which, backend):
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    qdd = model(*which, backend).joint_accelerations(sample.states, sample.forces)
+    check({"direct_qdd": relative(np.stack(qdd, axis=1), stored["direct_qdd"])}, LIBRARY)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_inverse_model(which, backend):
+    """Forces, and the accelerations and contact forces that go with them."""
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    found = model(*which, backend).inverse(sample.states, sample.target, sample.output)
+    check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_joints_need_not_be_given(which, backend):
+    """The posture of each leg is start enough for these states."""
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    found = model(*which, backend).direct(sample.platform, sample.forces)
+    check(errors_of("direct", found, stored), LIBRARY, at_least=3)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "flex"])
+@pytest.mark.parametrize("name", NAMES)
+def test_stored_equilibrium_is_at_rest(name, kind):
+    state, stored = equilibrium(name, kind)
+    found = model(name, kind, "numpy").direct(state, stored["static_forces"])
+    assert np.max(np.abs(found.platform)) <= STILL
+    assert np.max(np.abs(found.elastic), initial=0.0) <= STILL
+    check({"f": relative(found.contact_forces, stored["static_contact_platform"])}, LIBRARY)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "flex"])
+@pytest.mark.parametrize("name", NAMES)
+def test_static_equilibrium(name, kind):
+    """Asked for at the pose of the stored one, which for three freedoms fits only with its bend."""
+    wanted, stored = equilibrium(name, kind)
+    state, forces = model(name, kind, "numpy").static(wanted.position, wanted.rotation)
+    errors = {field: relative(getattr(state, field), getattr(wanted, field)) for field in FIELDS}
+    check(errors | {"forces": relative(forces, stored["static_forces"])}, LIBRARY)
+
+
+def equilibrium(name, kind):
+    """The stored equilibrium as a state, and the arrays it came from."""
+    stored = cases.arrays(name, kind)
+    q = stored["static_q"]
+    pose = pf.State(stored["static_position"], stored["static_rotation"], elastic=stored["static_elastic"])
+    return with_joints(pose, q, 0 * q), stored
+
+
+# --- runs ---
+
+
+@cache
+def run(name: str, kind: str):
+    """The stored run again."""
+    stored = cases.trajectory(name, kind)
+    start = pf.State(*(stored[field][0] for field in FIELDS))
+    start = with_joints(start, stored["q"][0], stored["qd"][0])
+    virtual = model(name, kind, "vm")
+    return pf.simulate(virtual, stored["forces"], start, stored["t"], rtol=1e-11, atol=1e-13)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "flex"])
+@pytest.mark.parametrize("name", NAMES)
+def test_run(name, kind):
+    stored, result = cases.trajectory(name, kind), run(name, kind)
+    assert not result.partial, result.stopped
+    data = result.dataset
+    errors = {field: relative(data[field].values, stored[field]) for field in FIELDS}
+    errors["joint"] = relative(data.joint.values, stored["q"])
+    errors["kinetic"] = relative(data.energy_kinetic.values, stored["kinetic_energy"])
+    potential = data.energy_gravity.values + data.energy_strain.values
+    errors["potential"] = relative(potential, stored["potential_energy"])
+    check(errors, RUN)
+
+
+@pytest.mark.parametrize("kind", ["rigid", "flex"])
+@pytest.mark.parametrize("name", NAMES)
+def test_run_stays_on_the_closure(name, kind):
+    sample, data = cases.case(name, kind), run(name, kind).dataset
+    for i in range(data.sizes["time"]):
+        now = pf.State(*(data[field].values[i] for field in FIELDS))
+        assert max(sample.open(now, data.joint.values[i])) <= CLOSED
+
+
+# --- legs whose joints are part of the state ---
+
+
+@cache
+def carried(name: str, kind: str, rewriting) -> Sample:
+    return rewriting(cases.case(name, kind))
+
+
+@cache
+def carried_model(name: str, kind: str, rewriting, backend: str) -> pf.Model:
+    return pf.Model(carried(name, kind, rewriting).robot, backend)
+
+
+@pytest.mark.parametrize("rewriting", REWRITINGS)
+@pytest.mark.parametrize("name", NAMES)
+def test_rewritten_legs_are_carried(name, rewriting):
+    """They have no closed form: the flat state holds q, q̇ of every joint."""
+    sample = carried(name, "rigid", rewriting)
+    x = carried_model(name, "rigid", rewriting, "numpy").compiled().pack(sample.states[0])
+    assert len(x) == 13 + 2 * sum(len(leg.joints) for leg in sample.legs)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("rewriting", REWRITINGS)
+def test_direct_model_of_carried_legs(which, rewriting, backend):
+    sample, stored = carried(*which, rewriting), cases.arrays(*which)
+    found = carried_model(*which, rewriting, backend).direct(sample.states, sample.forces)
+    check(errors_of("direct", found, stored), LIBRARY, at_least=3)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("rewriting", REWRITINGS)
+def test_inverse_model_of_carried_legs(which, rewriting, backend):
+    sample, stored = carried(*which, rewriting), cases.arrays(*which)
+    found = carried_model(*which, rewriting, backend).inverse(sample.states, sample.target, sample.output)
+    check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
+
+
+@pytest.mark.parametrize("rewriting", REWRITINGS)
+def test_carried_joints(which, rewriting):
+    """Joint positions, rates and accelerations; positions start from the postures."""
+    sample = carried(*which, rewriting)
+    numpy_model = carried_model(*which, rewriting, "numpy")
+    for state in (sample.states, sample.platform):
+        legs = numpy_model.legs(state)
+        check({f"q[{i}]": relative(q, sample.q[i]) for i, q in enumerate(legs.q)}, LIBRARY)
+        check({f"qd[{i}]": relative(qd, sample.qd[i]) for i, qd in enumerate(legs.qd)}, LIBRARY)
+    qdd = numpy_model.joint_accelerations(sample.states, sample.forces)
+    check({f"qdd[{i}]": relative(a, sample.direct.qdd[i]) for i, a in enumerate(qdd)}, LIBRARY)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_run_of_carried_legs(name):
+    """A tenth of the stored run of the rigid robot, with joints that are integrated and projected."""
+    stored = {k: v[:21] for k, v in cases.trajectory(name, "rigid").items() if np.ndim(v) and len(v) == 101}
+    sample = carried(name, "rigid", REWRITINGS[0])
+    posture = [np.asarray(leg.posture) for leg in sample.legs]
+    platform = pf.State(*(stored[field][0] for field in FIELDS))
+    start = with_joints(platform, posture, oracle_rates(sample, platform, posture))
+    virtual = carried_model(name, "rigid", REWRITINGS[0], "vm")
+    forces = cases.trajectory(name, "rigid")["forces"]
+    result = pf.simulate(virtual, forces, start, stored["t"], rtol=1e-11, atol=1e-13)
+    assert not result.partial, result.stopped
+    data = result.dataset
+    check({field: relative(data[field].values, stored[field]) for field in FIELDS}, RUN)
+    for i in range(data.sizes["time"]):
+        now = pf.State(*(data[field].values[i] for field in FIELDS))
+        assert max(sample.open(now, data.joint.values[i])) <= CLOSED
+
+
+def oracle_rates(sample, platform, q):
+    """q̇ of each leg, from the tips."""
+    velocities = sample.tip_motions(platform)[1]
+    return [oracle.joint_rates(leg, *both) for leg, *both in zip(sample.legs, q, velocities, strict=True)]

@@ -1,0 +1,174 @@
+"""The library against the oracle on robots of any kind; joints with friction and springs."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.linalg import qr
+
+import cases
+import oracle
+import parflex as pf
+import zoo
+from conftest import relative
+
+ORACLE = 1e-10  # two solutions in 64 bits at conditions of 1e4: round-off leaves 1e-12
+LIBRARY = 1e-9  # the accuracy the library promises
+BACKENDS = ("numpy", "vm")
+
+# Legs with a closed form: the platform's state is all there is.
+UPS = {
+    "paper": zoo.paper,
+    "8 legs": lambda: zoo.ups(8, 0),
+    "8 legs, 3 modes": lambda: zoo.ups(8, 3),
+}
+MANY = {"24 legs, 40 modes": lambda: zoo.ups(24, 40)}
+LOADED_UPS = {f"loads, {modes} modes": lambda modes=modes: zoo.ups(6, modes, loads=True) for modes in (0, 3)}
+ODD = {f"odd{seed}, {N} modes": lambda seed=seed, N=N: zoo.odd(seed, N) for seed in range(6) for N in (0, 3)}
+LOADED_CASES = {
+    f"{name}-{kind} with loads": lambda name=name, kind=kind: zoo.with_loads(cases.case(name, kind))
+    for name in cases.NAMES
+    for kind in ("rigid", "flex")
+}
+THREE_RODS = {"three rods": zoo.three_rods}
+LIMBER = {f"limber, {modes} modes": lambda modes=modes: zoo.ups(6, modes, limber=True) for modes in (0, 3)}
+ALL = UPS | MANY | LOADED_UPS | ODD | LOADED_CASES | THREE_RODS | LIMBER
+
+
+@cache
+def model(name: str, backend: str) -> pf.Model:
+    return pf.Model(ALL[name]().robot, backend)
+
+
+# --- the oracle on them ---
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_states_are_on_the_closure(name):
+    sample = ALL[name]()
+    for s, q in enumerate(zip(*sample.q, strict=True)):
+        assert max(sample.open(sample.platform[s], q)) <= 1e-13
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_oracle_inverse_after_direct(name):
+    """The accelerations come back, by the same forces or, with spare actuators, by shorter ones."""
+    sample, direct = ALL[name](), ALL[name]().direct
+    spare = sample.forces.shape[1] > len(sample.rows)
+    for s, at in enumerate(sample.systems):
+        back = oracle.inverse_of(at, direct.platform[s][list(sample.rows)], sample.rows)
+        assert relative(back.platform[list(sample.rows)], direct.platform[s][list(sample.rows)]) <= ORACLE
+        if spare:
+            assert np.linalg.norm(back.forces) < np.linalg.norm(sample.forces[s])
+            again = oracle.direct_of(at, back.forces)
+            assert relative(again.elastic, back.elastic) <= ORACLE
+        else:
+            assert relative(back.forces, sample.forces[s]) <= ORACLE
+            assert relative(back.elastic, direct.elastic[s]) <= ORACLE
+
+
+def test_accelerations_are_unique_where_forces_are_not():
+    """27 rows of rank 24: without the three that repeat others K is regular, and the motion the same."""
+    sample = zoo.three_rods()
+    for s, at in enumerate(sample.systems):
+        free = len(at.K) - at.sizes[-1]
+        closure = at.K[free:, :free]
+        assert at.repeats
+        assert np.linalg.matrix_rank(closure, rtol=1e-9) == 24
+        kept = np.sort(qr(closure.T, pivoting=True)[2][:24])
+        chosen = np.concatenate([np.arange(free), free + kept])
+        rhs = (at.rhs + at.S @ sample.forces[s])[chosen]
+        short = oracle.balanced_solve(at.K[np.ix_(chosen, chosen)], rhs)[:free]
+        qdd = np.concatenate([leg[s] for leg in sample.direct.qdd])
+        assert relative(short[6:], qdd) <= ORACLE
+
+
+@pytest.mark.parametrize("name", LOADED_CASES)
+def test_loads_matter(name):
+    """Without friction and springs the answers differ: the comparisons below do see them."""
+    plain = cases.case(*name.split()[0].split("-"))
+    assert relative(ALL[name]().direct.platform, plain.direct.platform) > 1e-4
+
+
+# --- the library on them ---
+
+
+def check_direct(name, backend, state):
+    sample = ALL[name]()
+    found, wanted = model(name, backend).direct(state, sample.forces), sample.direct
+    fields = ["platform", "elastic"] + ["contact_forces"] * (name not in THREE_RODS)
+    errors = {field: relative(getattr(found, field), getattr(wanted, field)) for field in fields}
+    assert max(errors.values()) <= LIBRARY, errors
+
+
+def check_inverse(name, backend, state):
+    """Γ of least norm where there is a choice, and what goes with it."""
+    sample = ALL[name]()
+    found, wanted = model(name, backend).inverse(state, sample.target, sample.output), sample.inverse
+    fields = ["forces", "platform", "elastic"] + ["contact_forces"] * (name not in THREE_RODS)
+    errors = {field: relative(getattr(found, field), getattr(wanted, field)) for field in fields}
+    assert max(errors.values()) <= LIBRARY, errors
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", UPS)
+def test_spare_actuators(name, backend):
+    check_direct(name, backend, ALL[name]().platform)
+    check_inverse(name, backend, ALL[name]().platform)
+
+
+@pytest.mark.parametrize("name", MANY)
+def test_many_legs(name):
+    """With NumPy alone: to trace 72 contact forces takes the better part of a minute."""
+    check_direct(name, "numpy", ALL[name]().platform)
+    check_inverse(name, "numpy", ALL[name]().platform)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", LOADED_UPS)
+def test_friction_and_springs(name, backend):
+    check_direct(name, backend, ALL[name]().platform)
+    check_inverse(name, backend, ALL[name]().platform)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", LOADED_CASES)
+def test_cases_with_friction_and_springs(name, backend):
+    check_direct(name, backend, ALL[name]().states)
+    check_inverse(name, backend, ALL[name]().states)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", ODD)
+def test_random_trees(name, backend):
+    check_direct(name, backend, ALL[name]().states)
+    check_inverse(name, backend, ALL[name]().states)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", THREE_RODS)
+def test_repeated_rows(name, backend):
+    """Accelerations and actuator forces are unique; the contact forces are not, and are not compared."""
+    check_direct(name, backend, ALL[name]().states)
+    check_inverse(name, backend, ALL[name]().states)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("name", LIMBER)
+def test_leg_with_freedoms_of_its_own(name, backend):
+    """Its joints and rates come from the state alone."""
+    check_direct(name, backend, ALL[name]().states)
+    check_inverse(name, backend, ALL[name]().states)
+
+
+@pytest.mark.parametrize("name", ALL)
+def test_joints(name):
+    """Positions, rates and accelerations of all joints."""
+    sample, numpy_model = ALL[name](), model(name, "numpy")
+    legs = numpy_model.legs(sample.states)
+    qdd = numpy_model.joint_accelerations(sample.states, sample.forces)
+    for i in range(len(sample.legs)):
+        found = legs.q[i], legs.qd[i], qdd[i]
+        wanted = sample.q[i], sample.qd[i], sample.direct.qdd[i]
+        errors = [relative(a, b) for a, b in zip(found, wanted, strict=True)]
+        assert max(errors) <= LIBRARY, (i, errors)
