@@ -13,6 +13,7 @@ from conftest import relative
 from parflex import assembly, chain
 from parflex.energy import energies
 from parflex.platform import platform_terms
+from parflex.state import coordinates
 from rewriting import REWRITINGS
 from sample import FIELDS, Sample, with_joints
 
@@ -55,6 +56,18 @@ def check(errors, tolerance, at_least=1):
     """All errors below the tolerance, and as many of them as there are things to compare."""
     assert len(errors) >= at_least, errors
     assert max(errors.values()) <= tolerance, errors
+
+
+def inverse(model, sample, softened):
+    """The inverse model; the Delta's gripper bends the gain of its frame to the other sign."""
+    if not softened:
+        return model.inverse(sample.states, sample.target, sample.output)
+    with pytest.warns(pf.DynamicSingularity, match="accelerates against its actuators"):
+        return model.inverse(sample.states, sample.target, sample.output)
+
+
+def softened(name, kind):
+    return name == "delta3" and kind != "rigid"
 
 
 # --- the oracle ---
@@ -131,7 +144,7 @@ def test_leg_models(which):
     """A, c; J, J̇q̇ and the tips, turned into the world."""
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
     states = cases.case(*which).states
-    system = assembly.assemble(numpy_model.robot, numpy_model._coordinates(states))
+    system = assembly.assemble(numpy_model.robot, coordinates(numpy_model.flat(states), numpy_model.robot.layout))
     R = np.asarray(states.rotation)[:, None]
     errors = {}
     for number, leg in enumerate(system.legs):
@@ -158,7 +171,9 @@ def test_leg_models(which):
 
 def test_energies(which):
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
-    kinetic, weight, strain = energies(numpy_model.robot, numpy_model._coordinates(cases.case(*which).states))
+    x = coordinates(numpy_model.flat(cases.case(*which).states), numpy_model.robot.layout)
+    kinetic, weight, strain, springs = energies(numpy_model.robot, x)
+    assert np.all(springs == 0)
     errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
     if "potential_energy" in stored:
         errors["potential"] = relative(weight + strain, stored["potential_energy"])
@@ -197,7 +212,7 @@ def test_joint_accelerations(which, backend):
 def test_inverse_model(which, backend):
     """Forces, and the accelerations and contact forces that go with them."""
     sample, stored = cases.case(*which), cases.arrays(*which)
-    found = model(*which, backend).inverse(sample.states, sample.target, sample.output)
+    found = inverse(model(*which, backend), sample, softened(*which))
     check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
 
 
@@ -225,7 +240,10 @@ def test_static_equilibrium(name, kind):
     """Asked for at the pose of the stored one, which for three freedoms fits only with its bend."""
     wanted, stored = equilibrium(name, kind)
     state, forces = model(name, kind, "numpy").static(wanted.position, wanted.rotation)
-    errors = {field: relative(getattr(state, field), getattr(wanted, field)) for field in FIELDS}
+    errors = {}
+    for field in FIELDS:
+        found = getattr(state, field)
+        errors[field] = relative(found, np.broadcast_to(getattr(wanted, field), np.shape(found)))
     check(errors | {"forces": relative(forces, stored["static_forces"])}, LIBRARY)
 
 
@@ -307,7 +325,7 @@ def test_direct_model_of_carried_legs(which, rewriting, backend):
 @pytest.mark.parametrize("rewriting", REWRITINGS)
 def test_inverse_model_of_carried_legs(which, rewriting, backend):
     sample, stored = carried(*which, rewriting), cases.arrays(*which)
-    found = carried_model(*which, rewriting, backend).inverse(sample.states, sample.target, sample.output)
+    found = inverse(carried_model(*which, rewriting, backend), sample, softened(*which))
     check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
 
 

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, join, stack
+from parflex.array import Array, stack
 from parflex.chain import Chain, Frames, Joints, frames, tip_position
 from parflex.legs.leg import Leg
 
@@ -94,5 +94,5 @@ def settled(group: LegGroup) -> LegGroup | None:
     with np.errstate(invalid="ignore", divide="ignore"):
         chosen = group._replace(branch=group.type.branch(group, given, tips))
         found = group.type.joints(chosen, tips, group.posture)
-    error = [np.max(np.abs(a - b), axis=-1) for a, b in zip(found, given, strict=True)]
-    return chosen if np.all(join(error) < 1e-6) else None
+    agree = all(np.allclose(a, b, rtol=0, atol=1e-6) for a, b in zip(found, given, strict=True))
+    return chosen if agree else None
