@@ -58,7 +58,7 @@ class OutputReport:
         """A paragraph to read."""
         weakest = self.gain_ratio[np.argmin(np.abs(self.gain_ratio))].real
         words = [f"∂output/∂Γ has condition number {self.conditioning:.3g}; bending leaves"]
-        words.append(f"{100 * weakest:.2g} % of the weakest gain of a rigid platform.")
+        words.append(f"{100 * weakest:.3g} % of the weakest gain of a rigid platform.")
         if self.sign < 0:
             words.append("Its determinant has the opposite sign.")
         if len(self.poles):

@@ -7,6 +7,11 @@ import numpy as np
 
 from parflex.array import Array
 
+OP_ADD, OP_SUB, OP_MUL, OP_DIV = casadi.OP_ADD, casadi.OP_SUB, casadi.OP_MUL, casadi.OP_DIV
+OP_NEG, OP_SQRT, OP_COS, OP_SIN = casadi.OP_NEG, casadi.OP_SQRT, casadi.OP_COS, casadi.OP_SIN
+OP_ATAN2 = casadi.OP_ATAN2
+unary, binary = casadi.SX.unary, casadi.SX.binary  # five times as quick as the operators
+
 Number = Union["Symbol", float]
 
 
@@ -20,52 +25,52 @@ class Symbol:
 
     def __add__(self, other: Number) -> "Symbol":
         if isinstance(other, Symbol):
-            return Symbol(self.x + other.x)
-        return self if other == 0 else Symbol(self.x + float(other))
+            return Symbol(binary(OP_ADD, self.x, other.x))
+        return self if other == 0 else Symbol(binary(OP_ADD, self.x, float(other)))
 
     __radd__ = __add__
 
     def __neg__(self) -> "Symbol":
-        return Symbol(-self.x)
+        return Symbol(unary(OP_NEG, self.x))
 
     def __sub__(self, other: Number) -> "Symbol":
         if isinstance(other, Symbol):
-            return Symbol(self.x - other.x)
-        return self if other == 0 else Symbol(self.x - float(other))
+            return Symbol(binary(OP_SUB, self.x, other.x))
+        return self if other == 0 else Symbol(binary(OP_SUB, self.x, float(other)))
 
     def __rsub__(self, other: float) -> "Symbol":
-        return Symbol(-self.x if other == 0 else float(other) - self.x)
+        return -self if other == 0 else Symbol(binary(OP_SUB, float(other), self.x))
 
     def __mul__(self, other: Number) -> Number:
         if isinstance(other, Symbol):
-            return Symbol(self.x * other.x)
+            return Symbol(binary(OP_MUL, self.x, other.x))
         if other == 0:
             return 0.0
         if other in (1, -1):
-            return self if other == 1 else Symbol(-self.x)
-        return Symbol(self.x * float(other))
+            return self if other == 1 else -self
+        return Symbol(binary(OP_MUL, self.x, float(other)))
 
     __rmul__ = __mul__
 
     def __truediv__(self, other: Number) -> Number:
         if isinstance(other, Symbol):
-            return Symbol(self.x / other.x)
-        return self if other == 1 else Symbol(self.x / float(other))
+            return Symbol(binary(OP_DIV, self.x, other.x))
+        return self if other == 1 else Symbol(binary(OP_DIV, self.x, float(other)))
 
     def __rtruediv__(self, other: float) -> Number:
-        return 0.0 if other == 0 else Symbol(float(other) / self.x)
+        return 0.0 if other == 0 else Symbol(binary(OP_DIV, float(other), self.x))
 
     def sqrt(self) -> "Symbol":
-        return Symbol(casadi.sqrt(self.x))
+        return Symbol(unary(OP_SQRT, self.x))
 
     def cos(self) -> "Symbol":
-        return Symbol(casadi.cos(self.x))
+        return Symbol(unary(OP_COS, self.x))
 
     def sin(self) -> "Symbol":
-        return Symbol(casadi.sin(self.x))
+        return Symbol(unary(OP_SIN, self.x))
 
     def arctan2(self, other: Number) -> "Symbol":
-        return Symbol(casadi.atan2(self.x, expression(other)))
+        return Symbol(binary(OP_ATAN2, self.x, expression(other)))
 
 
 def expression(value: Number) -> casadi.SX:
