@@ -10,11 +10,14 @@ import oracle
 import parflex as pf
 from cases import KINDS, NAMES
 from conftest import relative
-from parflex import assembly, chain
+from parflex import chain
 from parflex.energy import energies
 from parflex.platform import platform_terms
 from rewriting import REWRITINGS
 from sample import FIELDS, Sample, with_joints
+
+# Soft platforms have states in which they accelerate against their actuators; the library says so.
+pytestmark = pytest.mark.filterwarnings("ignore:.*beyond a dynamic singularity")
 
 # The cases were computed in 80 bits; the scaled condition of their systems is below 20.
 ORACLE = 1e-11  # two solutions in 64 bits: round-off leaves 1e-13
@@ -129,10 +132,9 @@ def test_platform_model(name, kind):
 
 def test_leg_models(which):
     """A, c; J, J̇q̇ and the tips, turned into the world."""
-    stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
-    states = cases.case(*which).states
-    system = assembly.assemble(numpy_model.robot, numpy_model._coordinates(states))
-    R = np.asarray(states.rotation)[:, None]
+    sample, stored = cases.case(*which), cases.arrays(*which)
+    system = model(*which, "numpy")._system(sample.states)
+    R = np.asarray(sample.platform.rotation)[:, None]
     errors = {}
     for number, leg in enumerate(system.legs):
         mine = list(leg.group.legs)
@@ -158,10 +160,11 @@ def test_leg_models(which):
 
 def test_energies(which):
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
-    kinetic, weight, strain = energies(numpy_model.robot, numpy_model._coordinates(cases.case(*which).states))
+    system = numpy_model._system(cases.case(*which).states)
+    kinetic, *potential = energies(numpy_model.robot, system.x)
     errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
     if "potential_energy" in stored:
-        errors["potential"] = relative(weight + strain, stored["potential_energy"])
+        errors["potential"] = relative(sum(potential), stored["potential_energy"])
     check(errors, LIBRARY)
 
 
@@ -232,8 +235,8 @@ def test_static_equilibrium(name, kind):
 def equilibrium(name, kind):
     """The stored equilibrium as a state, and the arrays it came from."""
     stored = cases.arrays(name, kind)
-    q = stored["static_q"]
-    pose = pf.State(stored["static_position"], stored["static_rotation"], elastic=stored["static_elastic"])
+    q, bend = stored["static_q"], stored["static_elastic"]
+    pose = pf.State(stored["static_position"], stored["static_rotation"], np.zeros(6), bend, 0 * bend)
     return with_joints(pose, q, 0 * q), stored
 
 
@@ -295,20 +298,24 @@ def test_rewritten_legs_are_carried(name, rewriting):
     assert len(x) == 13 + 2 * sum(len(leg.joints) for leg in sample.legs)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("rewriting", REWRITINGS)
-def test_direct_model_of_carried_legs(which, rewriting, backend):
-    sample, stored = carried(*which, rewriting), cases.arrays(*which)
-    found = carried_model(*which, rewriting, backend).direct(sample.states, sample.forces)
-    check(errors_of("direct", found, stored), LIBRARY, at_least=3)
+def test_models_of_carried_legs(which, rewriting):
+    check_carried(*which, rewriting, "numpy")
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("rewriting", REWRITINGS)
-def test_inverse_model_of_carried_legs(which, rewriting, backend):
-    sample, stored = carried(*which, rewriting), cases.arrays(*which)
-    found = carried_model(*which, rewriting, backend).inverse(sample.states, sample.target, sample.output)
-    check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
+@pytest.mark.parametrize(("kind", "rewriting"), [*zip(("flex", "rigid"), REWRITINGS, strict=True)])
+@pytest.mark.parametrize("name", NAMES)
+def test_compiled_models_of_carried_legs(name, kind, rewriting):
+    check_carried(name, kind, rewriting, "vm")
+
+
+def check_carried(name, kind, rewriting, backend):
+    """Direct and inverse models."""
+    sample, stored = carried(name, kind, rewriting), cases.arrays(name, kind)
+    found = carried_model(name, kind, rewriting, backend)
+    direct = found.direct(sample.states, sample.forces)
+    inverse = found.inverse(sample.states, sample.target, sample.output)
+    check(errors_of("direct", direct, stored) | errors_of("inverse", inverse, stored), LIBRARY, at_least=5)
 
 
 @pytest.mark.parametrize("rewriting", REWRITINGS)
