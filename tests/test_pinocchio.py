@@ -1,7 +1,7 @@
 """The oracle, the stored cases and the library against Pinocchio's constrained dynamics, for rigid platforms.
 
-Pinocchio knows neither modes nor grouped parameters. At its default settings (μ = 0, one iteration) its answers
-are exact to round-off.
+Pinocchio knows neither modes nor grouped parameters. At its default settings (μ = 0, one iteration) its
+answers are exact to round-off.
 """
 
 from functools import cache
@@ -23,7 +23,7 @@ PROXIMAL = {"accuracy": 1e-14, "mu": 1e-6, "max_iter": 50}
 BACKENDS = ("numpy", "vm")
 
 CASES = {name: lambda name=name: cases.case(name, "rigid") for name in cases.NAMES}
-ODD = {f"odd{seed}": lambda seed=seed: zoo.odd(seed, 0) for seed in range(6)}
+ODD = {f"odd{seed}": lambda seed=seed: zoo.odd(seed, 0) for seed in range(3)}
 LIMBER = {"limber": lambda: zoo.ups(6, 0, limber=True)}
 UPS = {"paper": zoo.paper, "eight legs": lambda: zoo.ups(8, 0), "loads": lambda: zoo.ups(6, 0, loads=True)}
 THREE_RODS = {"three rods": zoo.three_rods}
@@ -66,12 +66,11 @@ def test_the_papers_robot(backend, grouped):
     assert relative(found.contact_forces, wanted.contact_forces) <= LIBRARY
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", ALL)
-def test_library_agrees(name, backend):
+def test_library_agrees(name):
     """Accelerations of platform and joints, and contact forces where they are unique."""
     sample, wanted = ALL[name](), pinocchio(name)
-    model = pf.Model(sample.robot, backend)
+    model = pf.Model(sample.robot, "numpy")
     found = model.direct(sample.states, sample.forces)
     qdd = model.joint_accelerations(sample.states, sample.forces)
     assert relative(found.platform, wanted.platform) <= LIBRARY

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import cases
 import oracle
 import parflex as pf
-from parflex.robots.gough_stewart import PLATE, corners, gough_stewart
+from parflex.robots.gough_stewart import PLATE, corners, gough_stewart, links
 from sample import Sample
 
 STATES = 4
@@ -155,7 +155,7 @@ def random_tree(rng: np.random.Generator, joints: int, tips: int, first: int) ->
         base = Rotation.random(random_state=rng).as_matrix(), rng.uniform(-1.0, 1.0, 3)
         leg = pf.Leg(*base, rows, tuple(held), posture=q)
         sizes = np.linalg.svd(oracle.tip_rows(leg, oracle.tree(leg, q)[2]), compute_uv=False)
-        if sizes[-1] > 0.1 * sizes[0]:
+        if sizes[-1] > 0.05 * sizes[0]:
             return leg, q
 
 
@@ -208,7 +208,7 @@ def well_driven(legs, cloud, pose, q, freedoms):
 def paper() -> Sample:
     """The paper's robot with a rigid plate, its links physical ones."""
     robot = gough_stewart(0)
-    legs = [physical(leg) for leg in robot.legs]
+    legs = [replace(leg, joints=physical(leg.joints)) for leg in robot.legs]
     place, axes = robot.home_pose
     q = [
         oracle.ups_start(leg, place + robot.platform.attachment_points[None, i]) for i, leg in enumerate(legs)
@@ -217,21 +217,18 @@ def paper() -> Sample:
     return sample_of(np.random.default_rng(6), legs, robot.platform, cloud, (np.array(place), axes), q)
 
 
-def physical(leg: pf.Leg) -> pf.Leg:
-    """A leg of the paper with links that can be built, and that move as Table 3's grouped parameters do.
+def physical(joints: tuple[pf.Joint, ...]) -> tuple[pf.Joint, ...]:
+    """The paper's links as bodies that can be built, and that move as Table 3's grouped parameters do.
 
     Link 1 turns about a fixed axis, the origin of link 2 stands still, links 2 and 3 turn together: XX1, YY1
     and M2 are of no account, and 0.75 kg m² may move from XX2, ZZ2 to XX3, YY3 (y3 = z2).
     """
-    first, second, third = leg.joints
+    first, second, third = joints
     moved = 0.75
-    return replace(
-        leg,
-        joints=(
-            replace(first, I=first.I + np.diag([5.11, 5.11, 0.0])),
-            replace(second, M=400.0, I=second.I - np.diag([moved, 0.0, moved])),
-            replace(third, I=third.I + np.diag([moved, moved, 0.0])),
-        ),
+    return (
+        replace(first, I=first.I + np.diag([5.11, 5.11, 0.0])),
+        replace(second, M=400.0, I=second.I - np.diag([moved, 0.0, moved])),
+        replace(third, I=third.I + np.diag([moved, moved, 0.0])),
     )
 
 
@@ -250,10 +247,9 @@ def ups(count: int, modes: int, loads: bool = False, limber: bool = False) -> Sa
     points = np.stack([np.cos(ahead), np.sin(ahead), 0 * around], axis=-1)
     points = 0.5 * points + rng.uniform(-0.1, 0.1, (count, 3))
     pose = np.array([0.0, 0.0, 1.0]), np.eye(3)
-    links = physical(gough_stewart(0).legs[0]).joints
     legs, q = [], []
     for i in range(count):
-        joints = [replace(j, **joint_loads(rng)) if loads else j for j in links]
+        joints = [replace(j, **joint_loads(rng)) if loads else j for j in physical(links())]
         turn = Rotation.from_euler("z", around[i]).as_matrix()
         leg = pf.Leg(turn, feet[i], joints, (pf.Tip(3, attachment=i),))
         start = oracle.ups_start(leg, pose[0] + points[None, i])
