@@ -12,8 +12,9 @@ from scipy.spatial.transform import Rotation
 import parflex as pf
 from conftest import relative
 from parflex.files import mobility
+from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
-from parflex.files.robot_file import NUMBERS
+from parflex.files.templates import write_templates
 from parflex.robots.gough_stewart import links
 
 GOOD = """\
@@ -204,6 +205,20 @@ origin = [0.1, 0.1, 0]
     assert body.attachments == (1, 2, 3, 4)
 
 
+EIGENSOLVER = 1e-7  # modes of corners that differ by round-off, pairs turned by as much
+
+
+def test_template_is_the_robot_of_the_paper(tmp_path):
+    """Written by hand with units, against the tables of Section 6."""
+    path, _ = write_templates(tmp_path / "robot.toml")
+    mine, paper = pf.load_robot(path), pf.robots.gough_stewart(7)
+    models = [pf.Model(robot, "numpy") for robot in (mine, paper)]
+    (bent, forces), (sagging, expected) = (model.static(*paper.home_pose) for model in models)
+    assert relative(forces, expected) < 1e-9
+    found, wanted = models[0].direct(bent, 1.1 * forces), models[1].direct(sagging, 1.1 * expected)
+    assert relative(found.platform, wanted.platform) < EIGENSOLVER
+
+
 LOOP = ('actuated = true, alpha = "90 deg"', "actuated = true, antecedent = 3")
 BAD = {
     "a loop": ([LOOP], 12, "antecedent 3; it must be a lower joint number"),
@@ -254,7 +269,7 @@ BAD = {
     "two centres": ([("com =", "first_moment = [0, 0, 0], com =")], 11, "gives com and first_moment"),
     "no body's inertia": ([("0.1, 0.1, 0.2", "0.1, 0.1, 0.9")], 30, "is not the inertia of a body"),
     "true for a number": ([("position = [0,", "position = [true,")], 5, "home.position[0] is true"),
-    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 27, 'kind is "soft"; choose "modal"'),
+    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 28, 'kind is "soft"; choose "modal"'),
     "a posture of two": (
         [("tips =", "posture = [0, 1]\ntips =")],
         14,
@@ -370,7 +385,7 @@ def test_every_number_of_a_joint_has_a_field():
     assert set(NUMBERS.values()) | others == set(vars(links()[0]))
 
 
-@pytest.mark.parametrize("name", ["robot"])
+@pytest.mark.parametrize("name", ["robot", "trajectory"])
 def test_schemas_of_the_documentation_are_up_to_date(name):
     from parflex.files.json_schema import ALL_SCHEMAS
 

@@ -5,8 +5,12 @@ from collections.abc import Callable
 from typing import Any
 
 from parflex.files.robot_schema import RobotTable
+from parflex.files.trajectory_schema import TrajectoryTable
 
-ALL_SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {"robot": RobotTable.model_json_schema}
+ALL_SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
+    "robot": RobotTable.model_json_schema,
+    "trajectory": TrajectoryTable.model_json_schema,
+}
 
 
 def schema_text(name: str) -> str:

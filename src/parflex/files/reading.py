@@ -36,7 +36,7 @@ class Reader:
             self._document = tomllib.loads(self._text)
         except tomllib.TOMLDecodeError as error:
             self._complain(syntax_line(error, self._text), f"not TOML: {syntax_words(error)}")
-            self.stop()
+            raise self._told() from None
 
     def table(self, kind: type[T]) -> T:
         """The whole file as tables; raises InputError with all that does not fit."""
@@ -45,27 +45,42 @@ class Reader:
         except ValidationError as error:
             for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
                 self._complain(line_of(self._text, where), words)
-        self.stop()
-        raise AssertionError("a file that does not fit has complaints")
+            raise self._told() from None
 
     def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
         """What `build` makes of its arguments; where that is an InputError, a complaint and None."""
         try:
             return build(*args, **kwargs)
         except InputError as error:
-            field = FIELD.match(str(error))
-            place = reached(self._document, (*where, field[1] if field else ""))
-            named = field is not None and len(place) > len(where)
-            words = str(error)[field.end() :] if field and named else f": {error}"
-            self._complain(line_of(self._text, place), field_name(place if named else where) + words)
+            self._locate(where, str(error))
             return None
+
+    def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
+        """As `attempt`, but raises at once."""
+        try:
+            return build(*args, **kwargs)
+        except InputError as error:
+            self._locate(where, str(error))
+            raise self._told() from None
 
     def stop(self) -> None:
         """Raise InputError if there are complaints."""
         if self._complaints:
-            told = [words for _, words in sorted(set(self._complaints))]
-            rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
-            raise InputError("\n".join(told[:MOST] + rest)) from None
+            raise self._told() from None
+
+    def _locate(self, where: Where, error: str) -> None:
+        """A complaint at `where`, or at the field of it that the error begins with."""
+        field = FIELD.match(error)
+        place = reached(self._document, (*where, field[1] if field else ""))
+        named = field is not None and len(place) > len(where)
+        words = error[field.end() :] if field and named else f": {error}"
+        self._complain(line_of(self._text, place), field_name(place if named else where) + words)
+
+    def _told(self) -> InputError:
+        """The complaints, by line, as one error."""
+        told = [words for _, words in sorted(set(self._complaints))]
+        rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
+        return InputError("\n".join(told[:MOST] + rest))
 
     def _complain(self, line: int, words: str) -> None:
         self._complaints.append((line, f"{self.path.name}:{line}: {words}"))

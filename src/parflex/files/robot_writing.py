@@ -11,9 +11,10 @@ import tomli_w
 
 from parflex.body import FlexibleBody
 from parflex.files.body_file import save_body
+from parflex.files.leg_schema import Prismatic, Revolute
+from parflex.files.leg_tables import NUMBERS
 from parflex.files.platform_tables import rigid_table
-from parflex.files.robot_file import NUMBERS
-from parflex.files.robot_schema import FORMAT, Prismatic, Revolute
+from parflex.files.robot_schema import FORMAT
 from parflex.files.writing import replacing
 from parflex.legs import Joint, Leg
 from parflex.robot import Robot

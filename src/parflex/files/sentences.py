@@ -13,15 +13,25 @@ Schema = dict[str, Any]
 def sentences(errors: Sequence[Any], document: Any, schema: Schema) -> list[tuple[Where, str]]:
     """Where each of pydantic's errors is, and in words; `schema` is what the document should fit.
 
-    A field that is missing because its name is misspelt is not told twice.
+    A field that is missing because its name is misspelt is not told twice, and a file of another
+    format is told as that alone.
     """
+    errors = [found for found in errors if found["loc"] == ("format",)] or errors
     unknown = [found["loc"] for found in errors if found["type"] == "extra_forbidden"]
     meant = [(*where[:-1], likely(where, schema)) for where in unknown]
     return [
-        (found["loc"], sentence(found, document, schema))
+        (place(found, schema), sentence(found, document, schema))
         for found in errors
         if found["type"] != "missing" or found["loc"] not in meant
     ]
+
+
+def place(found: Mapping[str, Any], schema: Schema) -> Where:
+    """Where an error is; for a table of unknown kind, where it says its kind."""
+    where: Where = found["loc"]
+    if found["type"] != "union_tag_invalid":
+        return where
+    return (*where, node_at(schema, where, schema)["discriminator"]["propertyName"])
 
 
 def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:

@@ -50,6 +50,12 @@ def rows(value: Any) -> str:
     return "matrix" if isinstance(value, list) and value and isinstance(value[0], list) else "list"
 
 
+def several(value: Any) -> str:
+    """Whether there is "one" value for all, or one for "each"."""
+    return "each" if isinstance(value, list) else "one"
+
+
+ZEROS = [0.0, 0.0, 0.0]
 THREE: Any = Field(min_length=3, max_length=3)
 
 Whole = Annotated[int, Strict(), Field(ge=0)]
