@@ -1,6 +1,7 @@
 """Robot files: to the bit there and back, units, and complaints with their lines."""
 
 import json
+import re
 import tomllib
 from dataclasses import replace
 from pathlib import Path
@@ -129,6 +130,7 @@ def nodal_platform() -> pf.FlexibleBody:
 
 PLATFORMS = {
     "rigid": rigid_platform,
+    "held by none": lambda: pf.FlexibleBody.rigid(2.0, (0, 0, 0.1), np.eye(3), np.zeros((0, 3))),
     "nodes": nodal_platform,
     "plate": lambda: pf.robots.gough_stewart(3).platform,
     "rigid plate": lambda: pf.robots.gough_stewart(0).platform,
@@ -142,7 +144,7 @@ def test_there_and_back_to_the_bit(name, tmp_path):
     again = pf.load_robot(path)
     assert bits(again) == bits(robot)
     assert again.to_file(tmp_path / "twice.toml").read_text().replace("twice", "robot") == path.read_text()
-    assert (path.parent / "robot.platform.nc").exists() == (name != "rigid")
+    assert (path.parent / "robot.platform.nc").exists() == (name not in ("rigid", "held by none"))
 
 
 def test_legs_of_one_kind_are_told_once(tmp_path):
@@ -391,3 +393,14 @@ def test_schemas_of_the_documentation_are_up_to_date(name):
 
     stored = Path(__file__).parent.parent / "docs" / f"{name}.schema.json"
     assert json.loads(stored.read_text(encoding="utf-8")) == ALL_SCHEMAS[name]()
+
+
+@pytest.mark.parametrize("name", ["robot", "trajectory"])
+def test_every_field_is_described(name):
+    from parflex.files.json_schema import ALL_SCHEMAS
+
+    schema = ALL_SCHEMAS[name]()
+    page = (Path(__file__).parent.parent / "docs" / "robot-files.md").read_text(encoding="utf-8")
+    for table in (schema, *schema["$defs"].values()):
+        for field in table.get("properties", {}):
+            assert re.search(rf"`\[*{field}[\].`]", page), field
