@@ -112,3 +112,81 @@ def test_module_runs_as_a_program():
         [sys.executable, "-m", "parflex", "--version"], capture_output=True, text=True, check=True
     )
     assert done.stdout.strip() == f"parflex {pf.__version__}"
+
+
+def test_from_a_template_to_a_run(parflex, tmp_path):
+    code, out, err = parflex("init", "mine.toml")
+    assert code == 0, err
+    assert "parflex simulate mine.toml --trajectory mine.trajectory.toml" in out
+    assert (tmp_path / "mine.toml").read_text().startswith("#:schema ./robot.schema.json\n")
+    code, out, err = parflex("check", "mine.toml", "--out", "seen")
+    assert code == 0, err
+    for words in ("Gough-Stewart robot", "RRP*", "73.07 kg", "403.9 476.6", "101.3 deg", "kept"):
+        assert words in out
+    assert (tmp_path / "seen" / "mine.png").stat().st_size > 10_000
+    way = tmp_path / "mine.trajectory.toml"
+    way.write_text(way.read_text().replace("1.2 s", "0.3 s").replace("100 mm", "10 mm"))
+    code, out, err = parflex("simulate", "mine.toml", "--trajectory", way.name, "--out", "run")
+    assert code == 0, err
+    assert "largest position error" in out
+    saved = pf.load_result(tmp_path / "run" / "result.nc")
+    assert saved.dataset.attrs["robot"] == "Gough-Stewart robot"
+    assert [saved.dataset.sizes[dim] for dim in ("time", "mode", "leg")] == [201, 7, 6]
+    pictures = {path.stem for path in (tmp_path / "run").glob("*.png")}
+    assert pictures == {"robot", "forces", "energy", "deformation", "accelerations"}
+
+
+def test_init_keeps_what_is_there(parflex, tmp_path):
+    (tmp_path / "robot.trajectory.toml").write_text("mine")
+    code, _, err = parflex("init")
+    assert code == 2
+    assert "robot.trajectory.toml is there already" in err
+    assert not (tmp_path / "robot.toml").exists()
+    assert parflex("init", "--force")[0] == 0
+    assert (tmp_path / "robot.trajectory.toml").read_text() != "mine"
+    code, _, err = parflex("init", "other", "--robot", "biped")
+    assert "--robot is 'biped'; choose gough-stewart" in err
+
+
+def test_check_tells_limits_and_reach(parflex, tmp_path):
+    parflex("init")
+    path = tmp_path / "robot.toml"
+    good = path.read_text()
+    path.write_text(good.replace('"0.7 m"', '"1.03 m"'))
+    code, out, err = parflex("check", "robot.toml")
+    assert code == 0, err
+    assert out.count("is beyond") == 2
+    home = "position = [0.25, 0.4330127018922193, 1.0]"
+    path.write_text(good.replace(home, "position = [0.35, 0.2330127018922193, 0]"))  # corner 0 on its base
+    code, out, err = parflex("check", "robot.toml")
+    assert code == 2
+    assert "RRP*" in out
+    assert "leg" in err
+    assert "Traceback" not in out + err
+
+
+def test_a_run_that_stops_is_kept(parflex, tmp_path):
+    """Without forces the robot falls and never comes to its last output time."""
+    parflex("init")
+    (tmp_path / "fall.toml").write_text(
+        'format = "parflex-trajectory-1"\nstart = "home"\n[[move]]\nduration = 9\n'
+        '[controller]\nkind = "joint-pd"\nkp = 0\nkd = 0\n'
+    )
+    path = tmp_path / "robot.toml"
+    path.write_text(path.read_text().replace("modes = 7", "modes = 0"))
+    code, out, err = parflex("simulate", "robot.toml", "--trajectory", "fall.toml", "--out", "run")
+    assert code == 1, err
+    assert "the result is partial" in out
+    assert pf.load_result("run/result.nc").partial
+
+
+def test_complaints_about_files_are_one_line_each(parflex, tmp_path):
+    parflex("init")
+    path = tmp_path / "robot.toml"
+    path.write_text(path.read_text().replace("thickness", "thicknes").replace('"0.7 m"', '"0.7 kg"'))
+    code, _, err = parflex("check", "robot.toml")
+    assert code == 2
+    first, second = err.splitlines()
+    assert "platform.thicknes is not known; did you mean thickness?" in first
+    assert second.startswith("robot.toml:")
+    assert 'is "0.7 kg", which is not a length' in second

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from parflex import fe, robots
     from parflex.body import FlexibleBody
     from parflex.control import ComputedTorque, Controller, JointPD
+    from parflex.files.robot_file import load_robot
     from parflex.legs import Joint, Leg, Tip
     from parflex.model import Model
     from parflex.modes import Modes, Moments
@@ -45,6 +46,7 @@ _HOME = {  # loaded at first use, so that `import parflex` is quick
     "Trajectory": "trajectory",
     "Wrench": "state",
     "load_result": "result",
+    "load_robot": "files.robot_file",
     "simulate": "simulation",
 }
 _MODULES = ("fe", "robots", "plot")
@@ -74,6 +76,7 @@ __all__ = [
     "Wrench",
     "fe",
     "load_result",
+    "load_robot",
     "robots",
     "simulate",
 ]

@@ -1,19 +1,28 @@
 """The command `parflex`."""
 
 import sys
-import tempfile
 import time
 import warnings
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
-from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
 import parflex
+from parflex.commands import check, init, simulate, summary
 from parflex.errors import InputError
+from parflex.terminal import (
+    Backend,
+    ImageFormat,
+    Out,
+    check_format,
+    check_writable,
+    complaints,
+    console,
+    step,
+)
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -21,13 +30,11 @@ app = typer.Typer(
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Dynamics of parallel robots with flexible platforms.\n\n"
-    "Start with `parflex paper`: it flies the robot of the paper and draws its figures.",
+    "Start with `parflex paper`: it flies the robot of the paper and draws its figures. For a robot "
+    "of your own, `parflex init`, then `parflex check` and `parflex simulate`.",
 )
-console = Console()
-complaints = Console(stderr=True, highlight=False)
-
-Out = Annotated[Path, typer.Option(help="Folder for results and pictures; made if it is not there.")]
-ImageFormat = Annotated[str, typer.Option("--format", help="Kind of pictures: png, pdf or svg.")]
+for command in (check, simulate, init):
+    app.command()(command)
 
 
 def version(wanted: bool) -> None:
@@ -57,7 +64,7 @@ def paper(
     undeformed: Annotated[
         bool, typer.Option("--undeformed", help="Start flat, not sagging under its own weight.")
     ] = False,
-    backend: Annotated[str, typer.Option(help='"auto", "vm" or "numpy".')] = "auto",
+    backend: Backend = "auto",
     image: ImageFormat = "png",
 ) -> None:
     """Fly Section 6 of the paper and draw its figures.
@@ -175,30 +182,6 @@ def frequency_table(found: Any, published: tuple[float, ...]) -> Table:
     return table
 
 
-def summary(result: Any) -> Table:
-    """What a run can be judged by."""
-    data = result.dataset
-    table = Table("check", "value", title="The run", title_justify="left")
-    pose = abs(data["pose_error"]).max("time").values
-    ledger = [name for name in data if str(name).startswith("energy_") and name != "energy_residual"]
-    largest = max(float(abs(data[name]).max()) for name in ledger)
-    table.add_row("largest position error", f"{pose[:3].max():.1e} m")
-    table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
-    table.add_row("largest actuator force", f"{float(abs(data['forces']).max()):.0f} N")
-    table.add_row(
-        "largest deformation at an attachment",
-        f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm",
-    )
-    residual = float(abs(data["energy_residual"]).max()) / largest
-    table.add_row("energy balance / largest term", f"{residual:.1e}")
-    return table
-
-
-def step(start: float, words: str) -> None:
-    """One line of what is being done, with the time since the start."""
-    console.print(f"[dim]{time.perf_counter() - start:5.1f} s[/] {words}")
-
-
 def point(text: str) -> tuple[float, float]:
     """A corner from "x,y"."""
     try:
@@ -206,22 +189,6 @@ def point(text: str) -> tuple[float, float]:
     except ValueError:
         raise InputError(f'--corner is {text!r}; write it as "x,y" in metres, like 0.5,0.2') from None
     return x, y
-
-
-def check_format(image: str) -> None:
-    """Only what every matplotlib can write."""
-    if image not in ("png", "pdf", "svg"):
-        raise InputError(f"--format is {image!r}; choose png, pdf or svg")
-
-
-def check_writable(folder: Path) -> None:
-    """Make the folder and try a file in it, before any work."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            pass
-    except OSError as error:
-        raise InputError(f"--out {folder} cannot be written to: {error.strerror or error}") from None
 
 
 def is_paper_plate(corner: list[str] | None, *values: float) -> bool:
@@ -237,7 +204,7 @@ def run() -> None:
     try:
         app()
     except InputError as error:
-        complaints.print("[red]error[/]", escape(str(error)))
+        complaints.print("[red]error[/]", escape(str(error)), soft_wrap=True)
         sys.exit(2)
     except KeyboardInterrupt:
         complaints.print("[yellow]interrupted[/] before there was a result to keep")

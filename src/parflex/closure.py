@@ -4,15 +4,15 @@ A state with lower mobility, or with joints of its own, satisfies the closure or
 Newton's method, damped, finds what does: J δq − Wᵀ δ(pose, q_e) = −gap.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from parflex.array import Array, block, block_diagonal, join, merged, mv, transpose
-from parflex.assembly import System, actuated_positions, assemble, diagonal
-from parflex.errors import NotConverged
+from parflex.assembly import System, actuated_positions, assemble, diagonal, joint_position
+from parflex.errors import InputError, NotConverged
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
 from parflex.state import State, coordinates, pack
@@ -20,6 +20,7 @@ from parflex.state import State, coordinates, pack
 CLOSED = 1e-13  # of the platform's size: a gap that is round-off
 STEPS = 60
 LARGEST_TURN = 0.5  # rad, in one step
+OTHER_BRANCH = 0.5  # rad, between a joint that is given and the closed form's
 WEAKEST = 1e-9  # of the largest singular value: what counts as a direction that can be moved along
 
 
@@ -36,10 +37,31 @@ JOINTS, POSE, ALL = Freedom(False, False), Freedom(True, False), Freedom(True, T
 def flat_state(robot: Robot, state: State) -> Array:
     """The flat state (…, size); joints that it carries are closed by Newton's method."""
     layout = robot.layout
-    if not layout.carried:
-        return pack(state, layout)
-    x = pack(started(robot, state), layout)
-    return with_rates(robot, closed(robot, x, JOINTS)[0], JOINTS)
+    if layout.carried:
+        x = pack(started(robot, state), layout)
+        x = with_rates(robot, closed(robot, x, JOINTS)[0], JOINTS)
+    else:
+        x = pack(state, layout)
+    if state.joints is not None:
+        check_branch(robot, x, state.joints)
+    return x
+
+
+def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
+    """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        system = assemble(robot, coordinates(x, robot.layout))
+    for leg in system.legs:
+        for place, number in enumerate(leg.group.legs):
+            given = None if leg.group.type.carries else joints[number]
+            for j in range(0 if given is None else leg.group.chain.n):
+                turn = np.remainder(joint_position(leg, j)[..., place] - given[..., j] + np.pi, 2 * np.pi)
+                if leg.group.chain.sigma[j] == 0 and np.any(np.abs(turn - np.pi) > OTHER_BRANCH):
+                    raise InputError(
+                        f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
+                        f"{j + 1} differs by {np.max(np.abs(turn - np.pi)):.2f} rad; leave it None, or give "
+                        f"the leg a posture on the branch that you want"
+                    )
 
 
 def started(robot: Robot, state: State) -> State:

@@ -13,6 +13,7 @@ from parflex.result import Result
 from parflex.robot import Robot
 from parflex.robots.gough_stewart import TABLE_2, gough_stewart, held, plate
 from parflex.simulation import simulate
+from parflex.sketch import instant_of_largest_bend
 from parflex.state import State
 from parflex.trajectory import Trajectory
 
@@ -109,9 +110,3 @@ def figures(paper: PaperRun, directory: Path, suffix: str = "png") -> list[Path]
         paths.append(directory / f"{name}.{suffix}")
         figure.savefig(paths[-1])
     return paths
-
-
-def instant_of_largest_bend(result: Result) -> int:
-    """The output time with the largest deformation at the attachments."""
-    bend = np.abs(result.dataset["attachment_deformation"].values)
-    return int(np.argmax(bend.max(axis=(1, 2), initial=0.0)))

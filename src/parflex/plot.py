@@ -16,6 +16,7 @@ from parflex.array import Array
 from parflex.errors import InputError
 from parflex.modes import Modes
 from parflex.result import Result
+from parflex.sketch import Sketch
 
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
@@ -231,7 +232,8 @@ def robot(result: Result, index: int = 0, scale: float | None = None) -> Figure:
     fig = figure(6.4, 4.8)
     ax: Any = fig.add_subplot(projection="3d", computed_zorder=False)
     draw_legs(ax, at, R, scale)  # first: seen from above, the platform hides what is below it
-    draw_platform(fig, ax, at, world, bend)
+    triangles = at["platform_triangle"].values if "platform_triangle" in at else None
+    draw_platform(fig, ax, triangles, world, bend)
     corners = np.vstack([world, at["leg_origin"].values])
     frame_axes(ax, corners)
     words = f"t = {float(at['time']):.2f} s, deformation × {scale:.0f}" if largest > 0 else "rigid platform"
@@ -239,20 +241,45 @@ def robot(result: Result, index: int = 0, scale: float | None = None) -> Figure:
     return fig
 
 
-def draw_platform(fig: Figure, ax: Any, at: xr.Dataset, world: Array, bend: Array) -> None:
+def robot_at(sketch: Sketch, title: str = "") -> Figure:
+    """The robot at one state, of legs of any kind, its platform coloured by its deflection."""
+    fig = figure(6.4, 4.8)
+    ax: Any = fig.add_subplot(projection="3d", computed_zorder=False)
+    lines = Line3DCollection(list(sketch.lines), colors="0.45", linewidths=3, zorder=1)
+    ax.add_collection3d(lines)
+    for number, line in zip(sketch.legs, sketch.lines, strict=True):
+        ax.scatter(*line[0], s=28, color="0.15", marker="s", depthshade=False, zorder=1)
+        ax.scatter(*line[1:].T, s=12, color="0.25", depthshade=False, zorder=1)
+        ax.text(*line[0], f" {number}", fontsize=8, va="top", zorder=3)
+    if len(sketch.motors):
+        ax.scatter(*sketch.motors.T, s=26, color=COLOURS[1], depthshade=False, zorder=3, label="motor")
+        ax.legend(loc="upper left", frameon=False, fontsize=8)
+    draw_platform(fig, ax, sketch.triangles, sketch.nodes, sketch.bend)
+    if sketch.triangles is None:
+        ax.plot(
+            *np.vstack([sketch.attachments, sketch.attachments[:1]]).T, color=COLOURS[0], lw=1.5, zorder=2
+        )
+    frame_axes(ax, np.vstack([*sketch.lines, sketch.nodes]))
+    bent = f"deformation × {sketch.scale:.0f}" if sketch.bend.any() else ""
+    ax.set_title(", ".join(filter(None, (title, bent))), fontsize=9, y=0.98)
+    return fig
+
+
+def draw_platform(fig: Figure, ax: Any, triangles: Array | None, world: Array, bend: Array) -> None:
     """The surface, coloured by the deflection along z_p; without a surface, its nodes."""
-    if "platform_triangle" not in at:
+    if triangles is None:
         ax.scatter(*world.T, s=12, color=COLOURS[0])
         return
-    triangles = at["platform_triangle"].values
-    deflection = bend[triangles, 2].mean(axis=1) * 1e3
-    limit = float(np.max(np.abs(bend[:, 2]), initial=0.0) * 1e3) or 1.0
-    shade = Normalize(-limit, limit)
     surface = Poly3DCollection(world[triangles], edgecolor=(0, 0, 0, 0.15), linewidth=0.2, zorder=2)
-    surface.set_cmap("RdBu_r")
-    surface.set_norm(shade)
-    surface.set_array(deflection)
     ax.add_collection3d(surface)
+    if not bend.any():
+        surface.set_facecolor("#BFD7E8")
+        return
+    deflection = bend[triangles, 2].mean(axis=1) * 1e3
+    limit = float(np.max(np.abs(bend[:, 2]))) * 1e3 or 1.0
+    surface.set_cmap("RdBu_r")
+    surface.set_norm(Normalize(-limit, limit))
+    surface.set_array(deflection)
     bar = fig.colorbar(surface, ax=ax, shrink=0.6, pad=0.08)
     bar.set_label("deflection along $z_p$ (mm)", fontsize=8)
 

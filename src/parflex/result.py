@@ -1,13 +1,13 @@
 """What a simulation leaves: a labelled dataset, saved as NetCDF-4."""
 
 import os
-import tempfile
 from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from parflex.errors import InputError
+from parflex.files.writing import replacing
 from parflex.state import State
 
 FORMAT = "parflex-result-1"
@@ -42,20 +42,8 @@ class Result:
         Raises InputError where the file cannot be written.
         """
         target = Path(path)
-        part: str | None = None
-        try:
-            target.parent.mkdir(parents=True, exist_ok=True)
-            handle, part = tempfile.mkstemp(prefix=f".{target.name}.", suffix=".part", dir=target.parent)
-            os.close(handle)
+        with replacing(target) as part:
             self.dataset.to_netcdf(part, engine="h5netcdf")
-            os.chmod(part, 0o666 & ~current_umask())
-            os.replace(part, target)
-        except OSError as error:
-            reason = os.strerror(error.errno) if error.errno else str(error)
-            raise InputError(f"{target} was not written: {reason}; what was there is untouched") from None
-        finally:
-            if part is not None:
-                Path(part).unlink(missing_ok=True)
         return target
 
 
@@ -78,10 +66,3 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
         )
     return Result(dataset)
-
-
-def current_umask() -> int:
-    """The process's umask, which can only be read by setting it."""
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask

@@ -1,8 +1,10 @@
 """A robot: a fixed base, legs, a flexible platform, gravity."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -57,6 +59,16 @@ class Robot:
                         f"{tip.attachment}; list the node twice among the body's attachments"
                     )
                 held[tip.attachment] = number
+
+    def to_file(self, path: str | os.PathLike[str]) -> Path:
+        """Write the robot as a robot file (docs/robot-files.md) that `load_robot` reads to the same bits.
+
+        The modes of a flexible platform go to a NetCDF-4 file beside it. Raises InputError where a
+        file cannot be written.
+        """
+        from parflex.files.robot_writing import save_robot
+
+        return save_robot(self, path)
 
     @property
     def home(self) -> State:

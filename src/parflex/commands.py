@@ -1,0 +1,122 @@
+"""The commands for robots of one's own: init, check, simulate."""
+
+import time
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+from rich.markup import escape
+from rich.table import Table
+
+from parflex.terminal import Backend, ImageFormat, Out, check_format, check_writable, console, step
+
+RobotPath = Annotated[Path, typer.Argument(help="A robot file (TOML).")]
+
+
+def init(
+    name: Annotated[Path, typer.Argument(help="The robot file to write.")] = Path("robot.toml"),
+    robot: Annotated[str, typer.Option(help="What to start from.")] = "gough-stewart",
+    force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
+) -> None:
+    """Write a robot file and a trajectory file to start from, with comments that explain them.
+
+    Examples:
+
+    `parflex init` - robot.toml and robot.trajectory.toml
+
+    `parflex init hexapod.toml --force` - another name, over what is there
+    """
+    from parflex.files.templates import write_templates
+
+    files = write_templates(name, robot, force)
+    console.print(f"wrote {', '.join(str(path) for path in files)}")
+    console.print(f"now: parflex check {files[0]}")
+    console.print(f"     parflex simulate {files[0]} --trajectory {files[1]}")
+
+
+def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat = "png") -> None:
+    """Read a robot file, tell what was understood, and draw the robot at home.
+
+    Example: `parflex check robot.toml`
+    """
+    from parflex import overview, plot
+    from parflex.files.robot_file import check_standing, read_robot
+    from parflex.model import Model
+    from parflex.sketch import sketch
+
+    check_format(image)
+    file = read_robot(robot)
+    console.print(f"[bold]{escape(file.name or robot.name)}[/] {escape(file.source)}")
+    console.print(table_of(overview.LEG_HEADS, overview.leg_rows(file)))
+    for line in overview.facts(file.robot):
+        console.print(line)
+    check_standing(file)
+    model = Model(file.robot, "numpy")
+    console.print(table_of(overview.JOINT_HEADS, overview.joint_rows(model)))
+    console.print(str(model.mobility(file.robot.home)))
+    check_writable(out)
+    picture = out / f"{robot.stem}.{image}"
+    plot.robot_at(sketch(model, file.robot.home), "home").savefig(picture)
+    console.print(f"drawn in [bold]{picture}[/]")
+
+
+def simulate(
+    robot: RobotPath,
+    trajectory: Annotated[Path, typer.Option(help="A trajectory file (TOML).")],
+    out: Out = Path("parflex-simulate"),
+    backend: Backend = "auto",
+    image: ImageFormat = "png",
+) -> None:
+    """Fly a robot along a trajectory: the run as NetCDF-4, and pictures.
+
+    Example: `parflex simulate robot.toml --trajectory robot.trajectory.toml --out run`
+    """
+    from parflex import flight
+    from parflex.files.robot_file import check_standing, read_robot
+    from parflex.files.trajectory_file import read_plan
+
+    check_format(image)
+    plan, file = read_plan(trajectory), read_robot(robot)
+    check_standing(file)
+    check_writable(out)
+    start = time.perf_counter()
+    done = flight.fly(file, plan, backend, say=lambda words: step(start, words))
+    step(start, "saving the result")
+    saved = done.result.save(out / "result.nc")
+    if done.result.partial:
+        console.print(f"[yellow]stopped {escape(done.result.stopped)}[/]; the result is partial")
+    step(start, "drawing the pictures")
+    pictures = flight.figures(done, out, image)
+    console.print(summary(done.result))
+    names = ", ".join(path.name for path in pictures)
+    console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
+    if done.result.partial:
+        raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+
+
+def table_of(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
+    """Rows of words under their heads."""
+    table = Table(*heads)
+    for row in rows:
+        table.add_row(*row)
+    return table
+
+
+def summary(result: Any) -> Table:
+    """What a run can be judged by."""
+    data = result.dataset
+    table = Table("check", "value", title="The run", title_justify="left")
+    ledger = [name for name in data if str(name).startswith("energy_") and name != "energy_residual"]
+    largest = max(float(abs(data[name]).max()) for name in ledger)
+    if "pose_error" in data:
+        pose = abs(data["pose_error"]).max("time").values
+        table.add_row("largest position error", f"{pose[:3].max():.1e} m")
+        table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
+    table.add_row("largest actuator force", f"{float(abs(data['forces']).max()):.0f} N")
+    table.add_row(
+        "largest deformation at an attachment",
+        f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm",
+    )
+    residual = float(abs(data["energy_residual"]).max()) / largest
+    table.add_row("energy balance / largest term", f"{residual:.1e}")
+    return table

@@ -1,0 +1,137 @@
+"""Legs from their tables: chains of joints, tips on attachments, postures."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from difflib import get_close_matches
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.errors import InputError
+from parflex.files.leg_schema import AnyJoint, ChainTable, LegTable, TipTable
+from parflex.files.quantity import convert
+from parflex.files.reading import Reader
+from parflex.files.tables import inertia_matrix, rotation_matrix
+from parflex.legs import Joint, Leg, Tip
+
+# fields of a joint that are plain numbers: in the file, in the table of Sec. 3
+NUMBERS = {
+    "gamma": "gamma",
+    "b": "b",
+    "alpha": "alpha",
+    "d": "d",
+    "theta": "theta",
+    "r": "r",
+    "mass": "M",
+    "rotor_inertia": "IA",
+    "viscous": "Fv",
+    "coulomb": "Fs",
+    "coulomb_rate": "v_s",
+    "stiffness": "k",
+    "rest": "q_0",
+}
+
+
+class Parts(NamedTuple):
+    """What the legs of a chain have in common."""
+
+    name: str
+    table: ChainTable
+    joints: tuple[Joint, ...]
+    tips: tuple[Tip, ...]
+
+
+def chain(reader: Reader, name: str, table: ChainTable) -> Parts | None:
+    """Joints and tips of a chain; None where there are complaints about its joints."""
+    joints: tuple[Joint, ...] = ()
+    for number, row in enumerate(table.joints):
+        more = reader.attempt(("chain", name, "joints", number), grown, joints, row)
+        if more is None:
+            return None
+        joints = more
+    tips = [reader.attempt(("chain", name, "tips", i), tip, joints, row) for i, row in enumerate(table.tips)]
+    return Parts(name, table, joints, tuple(found for found in tips if found is not None))
+
+
+def grown(joints: tuple[Joint, ...], row: AnyJoint) -> tuple[Joint, ...]:
+    """A tree with one joint more, checked as a leg."""
+    more = (*joints, joint(row, len(joints)))
+    Leg(np.eye(3), np.zeros(3), more, (Tip(len(more)),))
+    return more
+
+
+def joint(row: AnyJoint, before: int) -> Joint:
+    """A joint with `before` joints before it."""
+    com = (0.0, 0.0, 0.0) if row.com is None else row.com
+    MS = row.mass * np.array(com) if row.first_moment is None else row.first_moment
+    return Joint(
+        before if row.antecedent is None else row.antecedent,
+        row.sigma,
+        int(row.actuated),
+        MS=MS,
+        I=inertia_matrix(row.inertia),
+        q_min=-np.inf if row.min is None else row.min,
+        q_max=np.inf if row.max is None else row.max,
+        **{symbol: getattr(row, field) for field, symbol in NUMBERS.items()},
+    )
+
+
+def tip(joints: tuple[Joint, ...], row: TipTable) -> Tip:
+    """A tip on one of the links, checked as a leg's."""
+    found = Tip(row.frame, row.offset)
+    Leg(np.eye(3), np.zeros(3), joints, (found,))
+    return found
+
+
+def leg(reader: Reader, number: int, row: LegTable, parts: Mapping[str, Parts | None]) -> Leg | None:
+    """A chain placed on the base; None where there are complaints about it."""
+    where = ("leg", number)
+    known = reader.attempt(where, named, parts, row.chain)
+    if known is None:
+        return None
+    tips = reader.attempt(where, held, known, row.attachments)
+    own = where if row.posture is not None else ("chain", known.name)
+    posture = reader.attempt(own, posture_of, known, row.posture or known.table.posture)
+    rotation = reader.attempt(where, rotation_matrix, row.rotation)
+    if tips is None or rotation is None:
+        return None
+    return reader.attempt(where, Leg, rotation, row.origin, known.joints, tips, posture)
+
+
+def named(parts: Mapping[str, Parts | None], name: str) -> Parts:
+    """The chain of that name."""
+    found = parts.get(name)
+    if found is None:
+        close = get_close_matches(name, parts, 1)
+        hint = f'did you mean "{close[0]}"?' if close else f"there is {', '.join(parts) or 'none'}"
+        raise InputError(f'chain is "{name}", but there is no [chain.{name}]; {hint}')
+    return found
+
+
+def held(known: Parts, attachments: Sequence[int]) -> tuple[Tip, ...]:
+    """The tips of a leg, each on its attachment."""
+    if len(attachments) != len(known.tips):
+        raise InputError(
+            f"attachments has {len(attachments)} entries, but chain {known.name} has {len(known.tips)} "
+            f"tips; give one attachment for each"
+        )
+    return tuple(replace(t, attachment=a) for t, a in zip(known.tips, attachments, strict=True))
+
+
+def posture_of(known: Parts, given: Sequence[Any] | None) -> Array | None:
+    """Joint values (n,) in rad and m, by the joints' types."""
+    if given is None:
+        return None
+    rows = known.table.joints
+    if len(given) != len(rows):
+        raise InputError(f"posture has {len(given)} entries; give one for each of the {len(rows)} joints")
+    return np.array([entry(j, value, row) for j, (value, row) in enumerate(zip(given, rows, strict=True))])
+
+
+def entry(number: int, value: Any, row: AnyJoint) -> float:
+    """One joint value of a posture."""
+    try:
+        return convert(value, row.measure)
+    except InputError as error:
+        raise InputError(f"posture[{number}] {error}") from None

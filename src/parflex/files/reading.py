@@ -1,0 +1,114 @@
+"""Reading a TOML file: everything that is wrong with it, each with its line."""
+
+import os
+import re
+import tomllib
+from collections.abc import Callable
+from pathlib import Path
+from typing import ParamSpec, TypeVar
+
+from pydantic import ValidationError
+
+from parflex.errors import InputError
+from parflex.files.lines import Where, line_of, reached
+from parflex.files.sentences import field_name, sentences
+from parflex.files.tables import Table
+
+MOST = 5  # complaints at once
+FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
+
+T = TypeVar("T", bound=Table)
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+class Reader:
+    """A file that is being read, and the complaints about it so far.
+
+    Raises InputError where it cannot be read or is not TOML.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self._complaints: list[tuple[int, str]] = []
+        self._text = text_of(self.path)
+        try:
+            self._document = tomllib.loads(self._text)
+        except tomllib.TOMLDecodeError as error:
+            self._complain(syntax_line(error, self._text), f"not TOML: {syntax_words(error)}")
+            raise self._told() from None
+
+    def table(self, kind: type[T]) -> T:
+        """The whole file as tables; raises InputError with all that does not fit."""
+        try:
+            return kind.model_validate(self._document)
+        except ValidationError as error:
+            for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
+                self._complain(line_of(self._text, where), words)
+            raise self._told() from None
+
+    def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
+        """What `build` makes of its arguments; where that is an InputError, a complaint and None."""
+        try:
+            return build(*args, **kwargs)
+        except InputError as error:
+            self._locate(where, str(error))
+            return None
+
+    def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
+        """As `attempt`, but raises at once."""
+        try:
+            return build(*args, **kwargs)
+        except InputError as error:
+            self._locate(where, str(error))
+            raise self._told() from None
+
+    def stop(self) -> None:
+        """Raise InputError if there are complaints."""
+        if self._complaints:
+            raise self._told() from None
+
+    def _locate(self, where: Where, error: str) -> None:
+        """A complaint at `where`, or at the field of it that the error begins with."""
+        field = FIELD.match(error)
+        place = reached(self._document, (*where, field[1] if field else ""))
+        named = field is not None and len(place) > len(where)
+        words = error[field.end() :] if field and named else f": {error}"
+        self._complain(line_of(self._text, place), field_name(place if named else where) + words)
+
+    def _told(self) -> InputError:
+        """The complaints, by line, as one error."""
+        told = [words for _, words in sorted(set(self._complaints))]
+        rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
+        return InputError("\n".join(told[:MOST] + rest))
+
+    def _complain(self, line: int, words: str) -> None:
+        self._complaints.append((line, f"{self.path.name}:{line}: {words}"))
+
+
+def text_of(path: Path) -> str:
+    """The text of a file; raises InputError where there is none."""
+    try:
+        return path.read_text(encoding="utf-8").replace("\r\n", "\n")
+    except FileNotFoundError:
+        raise InputError(f"{path}: there is no such file") from None
+    except UnicodeDecodeError:
+        raise InputError(f"{path} is no text in UTF-8; a TOML file is") from None
+    except OSError as error:
+        raise InputError(f"{path} cannot be read: {error.strerror or error}") from None
+
+
+AT = re.compile(r" \(at line (\d+), column \d+\)| \(at end of document\)")
+
+
+def syntax_line(error: tomllib.TOMLDecodeError, text: str) -> int:
+    """The line that the parser names; the last one for 'at end of document'."""
+    place = AT.search(str(error))
+    return int(place.group(1)) if place and place.group(1) else text.rstrip("\n").count("\n") + 1
+
+
+def syntax_words(error: tomllib.TOMLDecodeError) -> str:
+    """What the parser says, without the place."""
+    words = AT.sub("", str(error))
+    ends = " before the file ends" if "end of document" in str(error) else ""
+    return f"{words[:1].lower()}{words[1:]}{ends}; is a bracket or a quote missing?"

@@ -1,0 +1,80 @@
+"""Robots from files: tables to legs and platform, complaints with their lines."""
+
+import os
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.files.leg_tables import chain, leg
+from parflex.files.platform_tables import platform
+from parflex.files.reading import Reader
+from parflex.files.robot_schema import HomeTable, RobotTable
+from parflex.files.standing import check_home, check_mobility, check_posture
+from parflex.files.tables import rotation_matrix
+from parflex.robot import Robot
+from parflex.state import State
+
+
+class RobotFile(NamedTuple):
+    """A robot, what its file says beside, and the file."""
+
+    name: str
+    source: str
+    robot: Robot
+    chains: tuple[str, ...]  # the name of each leg's chain
+    reader: Reader
+    table: RobotTable
+
+
+def load_robot(path: str | os.PathLike[str]) -> Robot:
+    """The robot that a file describes (docs/robot-files.md).
+
+    Raises InputError, before anything is computed, with up to five complaints about the file, each
+    a sentence that begins with its name and the line.
+    """
+    file = read_robot(path)
+    if file.table.mobility is not None:
+        check_standing(file)
+    return file.robot
+
+
+def read_robot(path: str | os.PathLike[str]) -> RobotFile:
+    """As `load_robot`, with the names that the file gives."""
+    reader = Reader(path)
+    table = reader.table(RobotTable)
+    home = reader.attempt(("home",), place, table.home)
+    parts = {name: chain(reader, name, given) for name, given in table.chain.items()}
+    reader.stop()
+    legs = [leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
+    body = reader.attempt(("platform",), platform, table.platform, reader.path.parent)
+    reader.stop()
+    robot = assembled(reader, legs, body, table.gravity, home)
+    chains = tuple(row.chain for row in table.leg)
+    return RobotFile(table.name, table.source, robot, chains, reader, table)
+
+
+def check_standing(file: RobotFile) -> None:
+    """Raise InputError, with the line, where the robot does not stand at its home pose: a leg that
+    does not reach or is on another branch than its posture, too many freedoms, too few actuators."""
+    reader, table, robot = file.reader, file.table, file.robot
+    reader.must(("home",), check_home, robot)
+    for number, row in enumerate(table.leg):
+        where = ("leg", number, "posture") if row.posture else ("chain", row.chain, "posture")
+        reader.must(where, check_posture, robot, number)
+    reader.must(() if table.mobility is None else ("mobility",), check_mobility, robot, table.mobility)
+
+
+def place(table: HomeTable) -> tuple[Array, Array]:
+    """A checked pose (3,) m, (3, 3)."""
+    state = State(table.position, rotation_matrix(table.rotation))
+    return np.asarray(state.position), np.asarray(state.rotation)
+
+
+def assembled(reader: Reader, legs: Sequence[Any], body: Any, gravity: Sequence[float], home: Any) -> Robot:
+    """The robot; its legs join one by one, so that a complaint names the leg it is about."""
+    for count in range(1, len(legs) + 1):
+        where = ("leg", count - 1, "attachments")
+        reader.must(where, Robot, tuple(legs[:count]), body, gravity, home)
+    return Robot(tuple(legs), body, gravity, home)

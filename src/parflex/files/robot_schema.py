@@ -1,0 +1,101 @@
+"""The tables of a robot file, format "parflex-robot-1"."""
+
+from typing import Annotated, Literal
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from parflex.errors import InputError
+from parflex.files import quantity
+from parflex.files.leg_schema import ChainTable, LegTable
+from parflex.files.tables import (
+    THREE,
+    ZEROS,
+    Inertia,
+    Length,
+    Measure,
+    Moments3,
+    Number,
+    Point,
+    Rotation,
+    Seconds3x3,
+    Table,
+    Whole,
+    several,
+)
+
+FORMAT = "parflex-robot-1"
+
+
+class HomeTable(Table):
+    """Where the platform stands when nothing else is said."""
+
+    position: Point = Field(description="the platform frame's origin in the world, in m")
+    rotation: Rotation = Field(ZEROS, description="rotation vector or matrix")
+
+
+class RigidTable(Table):
+    """A rigid platform."""
+
+    kind: Literal["rigid"]
+    mass: Annotated[float, Measure(quantity.MASS, negative=False, zero=False)] = Field(description="in kg")
+    com: Point | None = Field(None, description="centre of mass; by default the frame's origin")
+    inertia: Inertia | None = Field(None, description="about the centre of mass: XX YY ZZ XY XZ YZ")
+    first_moment: Moments3 | None = Field(None, description="∫ r dm, with second_moment")
+    second_moment: Seconds3x3 | None = Field(None, description="∫ r rᵀ dm, instead of inertia")
+    attachments: list[Point] = Field(description="the points that legs may hold")
+
+    @model_validator(mode="after")
+    def _one_way(self) -> "RigidTable":
+        moments = (self.first_moment, self.second_moment)
+        if (self.inertia is None) == (self.second_moment is None):
+            raise InputError("needs inertia (about the centre of mass), or first_moment and second_moment")
+        if (None in moments and any(moments)) or (any(moments) and self.com is not None):
+            raise InputError("mixes two ways; give com and inertia, or first_moment and second_moment")
+        return self
+
+
+Acceleration = Annotated[float, Measure(quantity.ACCELERATION)]
+Corner = Annotated[list[Length], Field(min_length=2, max_length=2)]
+Ratios = Annotated[
+    Annotated[Number, Tag("one")] | Annotated[list[Number], Tag("each")],
+    Discriminator(several),
+]
+
+
+class PolygonTable(Table):
+    """A flat plate of convex outline, whose modes are computed."""
+
+    kind: Literal["polygon"]
+    corners: list[Corner] = Field(description="[x, y] in order around the outline")
+    thickness: Length
+    young: Annotated[float, Measure(quantity.PRESSURE)] = Field(description="Young's modulus")
+    poisson: Number = Field(description="Poisson's ratio")
+    density: Annotated[float, Measure(quantity.DENSITY)]
+    modes: Whole = Field(description="elastic modes to keep; 0 is a rigid plate")
+    refine: Whole | None = Field(None, description="halvings of the mesh; by default enough")
+    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
+    attachments: list[Corner] | None = Field(None, description="[x, y] of nodes; by default the corners")
+    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
+
+
+class ModalTable(Table):
+    """A platform stored by parflex, with its modes."""
+
+    kind: Literal["modal"]
+    file: str = Field(description="NetCDF file, relative to the robot file")
+
+
+class RobotTable(Table):
+    """A robot: a fixed base, legs, a platform."""
+
+    format: Literal["parflex-robot-1"] = Field(description='"parflex-robot-1"')
+    name: str = ""
+    source: str = Field("", description="where the numbers are from")
+    gravity: Annotated[list[Acceleration], THREE] = Field([0.0, 0.0, -9.81], description="in the world")
+    mobility: Whole | None = Field(None, description="the platform's freedoms that you expect")
+    home: HomeTable = Field(description="the table [home] with position and rotation")
+    chain: dict[str, ChainTable] = Field({}, description="chains by name")
+    leg: list[LegTable] = Field([], description="legs, one [[leg]] each")
+    platform: RigidTable | PolygonTable | ModalTable = Field(
+        discriminator="kind", description="the table [platform]"
+    )

@@ -1,0 +1,113 @@
+"""What pydantic found, in a sentence that names field, value and remedy."""
+
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any
+
+from parflex.files.lines import Where, reached
+from parflex.files.quantity import shown
+
+Schema = dict[str, Any]
+
+
+def sentences(errors: Sequence[Any], document: Any, schema: Schema) -> list[tuple[Where, str]]:
+    """Where each of pydantic's errors is, and in words; `schema` is what the document should fit.
+
+    A field that is missing because its name is misspelt is not told twice, and a file of another
+    format is told as that alone.
+    """
+    errors = [found for found in errors if found["loc"] == ("format",)] or errors
+    unknown = [found["loc"] for found in errors if found["type"] == "extra_forbidden"]
+    meant = [(*where[:-1], likely(where, schema)) for where in unknown]
+    return [
+        (place(found, schema), sentence(found, document, schema))
+        for found in errors
+        if found["type"] != "missing" or found["loc"] not in meant
+    ]
+
+
+def place(found: Mapping[str, Any], schema: Schema) -> Where:
+    """Where an error is; for a table of unknown kind, where it says its kind."""
+    where: Where = found["loc"]
+    if found["type"] != "union_tag_invalid":
+        return where
+    return (*where, node_at(schema, where, schema)["discriminator"]["propertyName"])
+
+
+def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
+    """One error of pydantic's in words."""
+    where, kind, value = found["loc"], found["type"], found["input"]
+    field = field_name(reached(document, where))
+    context = found.get("ctx", {})
+    if kind == "value_error":
+        return f"{field} {context['error']}"
+    if kind == "missing":
+        return f"{field_name((*reached(document, where), where[-1]))} is missing{remedy(schema, where)}"
+    if kind == "extra_forbidden":
+        close = likely(where, schema)
+        hint = f"did you mean {close}?" if close else f"known here: {', '.join(names(where, schema))}"
+        return f"{field} is not known; {hint}"
+    if kind in ("union_tag_not_found", "union_tag_invalid"):
+        return tag_sentence(field, value, node_at(schema, where, schema))
+    if kind in ("too_short", "too_long"):
+        wanted = f"at least {context['min_length']}" if kind == "too_short" else f"{context['max_length']}"
+        return f"{field} has {context['actual_length']} entries; give {wanted}"
+    words = str(found["msg"]).replace("Input should be", "expected").replace("a valid ", "a ")
+    return f"{field} is {shown(value)}; {words.replace('a dictionary', 'a table')}"
+
+
+def field_name(where: Where) -> str:
+    """'leg[2].origin' for ("leg", 2, "origin"); 'the file' for the whole."""
+    steps = [f"[{step}]" if isinstance(step, int) else f".{step}" for step in where]
+    return "".join(steps).lstrip(".") or "the file"
+
+
+def remedy(schema: Schema, where: Sequence[str | int]) -> str:
+    """What to give for a missing field, where the schema describes it."""
+    words = node_at(schema, where, schema).get("description", "")
+    return f"; give {words}" if words else "; give it"
+
+
+def names(where: Where, schema: Schema) -> list[str]:
+    """The keys of the table that the value at `where` is in."""
+    return list(resolved(node_at(schema, where[:-1], schema), schema).get("properties", {}))
+
+
+def likely(where: Where, schema: Schema) -> str:
+    """The known key most like the unknown last step; empty where none is."""
+    return next(iter(get_close_matches(str(where[-1]), names(where, schema), 1)), "")
+
+
+def tag_sentence(field: str, value: Any, node: Schema) -> str:
+    """A table whose kind is missing or unknown: a joint without an axis."""
+    rule = node["discriminator"]
+    key, choices = rule["propertyName"], " or ".join(f'"{tag}"' for tag in rule["mapping"])
+    if key in value:
+        return f"{field}.{key} is {shown(value[key])}; choose {choices}"
+    what = "is a joint without an axis" if key == "type" else f"has no {key}"
+    return f"{field} {what}; give {key} = {choices}"
+
+
+def node_at(node: Schema, where: Sequence[str | int], root: Schema) -> Schema:
+    """The part of a JSON schema for what is at `where`; steps that pydantic adds are left out."""
+    if not where:
+        return node
+    step, rest = where[0], where[1:]
+    return node_at(follow(resolved(node, root), step, root), rest, root)
+
+
+def follow(node: Schema, step: str | int, root: Schema) -> Schema:
+    """One step down; the node itself for a tag that no key or entry stands for."""
+    if step in node.get("properties", {}):
+        return dict(node["properties"][step])
+    if step in node.get("discriminator", {}).get("mapping", {}):
+        return resolved({"$ref": node["discriminator"]["mapping"][step]}, root)
+    if isinstance(step, int) and "items" in node:
+        return dict(node["items"])
+    more = node.get("additionalProperties")
+    return dict(more) if isinstance(more, dict) else node
+
+
+def resolved(node: Schema, root: Schema) -> Schema:
+    """The definition a node refers to, or the node."""
+    return dict(root["$defs"][node["$ref"].rsplit("/", 1)[1]]) if "$ref" in node else node

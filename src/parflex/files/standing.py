@@ -1,0 +1,44 @@
+"""A robot from a file at its home pose: whether it stands, moves and is driven as its author expects."""
+
+import numpy as np
+
+from parflex.errors import InputError
+from parflex.model import Model
+from parflex.robot import Robot
+
+FAR = 1.0  # rad, between a joint at home and in the posture that names its branch
+
+
+def check_home(robot: Robot) -> None:
+    """Raise InputError where a leg does not reach the platform at home."""
+    Model(robot, "numpy").legs(robot.home)
+
+
+def check_posture(robot: Robot, number: int) -> None:
+    """Raise InputError where a leg at home is on another branch than its posture."""
+    leg, q = robot.legs[number], Model(robot, "numpy").legs(robot.home).q[number]
+    if leg.posture is None:
+        return
+    turns = np.array([1 - joint.sigma for joint in leg.joints])
+    apart = turns * np.abs(np.remainder(q - leg.posture + np.pi, 2 * np.pi) - np.pi)
+    if np.max(apart) > FAR:
+        raise InputError(
+            f"posture is {np.round(leg.posture, 3).tolist()}, but at home leg {number + 1} has joints "
+            f"{np.round(q, 3).tolist()} (m, rad), on another assembly branch; give joint values near those "
+            f"of the branch that you want, or correct the home pose"
+        )
+
+
+def check_mobility(robot: Robot, expected: int | None) -> None:
+    """Raise InputError where the robot at home has not the freedoms or the actuators that it needs."""
+    found = Model(robot, "numpy").mobility(robot.home)
+    if expected is not None and found.freedoms != expected:
+        raise InputError(
+            f"you expect {expected}, but the legs leave the platform {found.freedoms} freedoms at home; "
+            f"correct the axes of the legs' joints, or the number"
+        )
+    if found.freedoms > found.actuators:
+        raise InputError(
+            f"the legs leave the platform {found.freedoms} freedoms at home, but only {found.actuators} "
+            f"joints are actuated; set actuated = true on {found.freedoms - found.actuators} more"
+        )

@@ -1,0 +1,99 @@
+"""What the tables of all files share: numbers with units, vectors, rotations, strict keys."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
+from pydantic_core import core_schema
+
+from parflex.array import Array, without_roundoff
+from parflex.errors import InputError
+from parflex.files import quantity
+from parflex.files.quantity import Kind, convert
+
+
+class Table(BaseModel):
+    """A table of a file; keys it does not know are errors."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+
+@dataclass(frozen=True)
+class Measure:
+    """How pydantic reads a number of a kind: SI, or a text with a unit, perhaps never negative."""
+
+    kind: Kind
+    negative: bool = True
+    zero: bool = True
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
+        return core_schema.no_info_plain_validator_function(self.read)
+
+    def __get_pydantic_json_schema__(self, core: Any, handler: Any) -> dict[str, Any]:
+        number = {"type": "number", "description": self.kind.expected}
+        return {"anyOf": [number, {"type": "string"}]} if self.kind.unit else number
+
+    def read(self, value: Any) -> float:
+        """The SI value; raises InputError, its sentence without a subject."""
+        number = convert(value, self.kind)
+        if number < 0 and not self.negative:
+            raise InputError(f"is {quantity.shown(value)}; it cannot be negative")
+        if number == 0 and not self.zero:
+            raise InputError(f"is {quantity.shown(value)}; it must be positive")
+        return number
+
+
+def rows(value: Any) -> str:
+    """How nine or fewer numbers are written: "matrix" for rows, or "list"."""
+    return "matrix" if isinstance(value, list) and value and isinstance(value[0], list) else "list"
+
+
+def several(value: Any) -> str:
+    """Whether there is "one" value for all, or one for "each"."""
+    return "each" if isinstance(value, list) else "one"
+
+
+ZEROS = [0.0, 0.0, 0.0]
+THREE: Any = Field(min_length=3, max_length=3)
+
+Whole = Annotated[int, Strict(), Field(ge=0)]
+Number = Annotated[float, Measure(quantity.NUMBER)]
+Length = Annotated[float, Measure(quantity.LENGTH)]
+Angle = Annotated[float, Measure(quantity.ANGLE)]
+Mass = Annotated[float, Measure(quantity.MASS, negative=False)]
+Time = Annotated[float, Measure(quantity.TIME, negative=False)]
+Moment = Annotated[float, Measure(quantity.FIRST_MOMENT)]
+Second = Annotated[float, Measure(quantity.INERTIA)]
+
+Point = Annotated[list[Length], THREE]
+Moments3 = Annotated[list[Moment], THREE]
+Seconds3x3 = Annotated[list[Annotated[list[Second], THREE]], THREE]
+
+Turn = Annotated[list[Angle], THREE]
+Matrix = Annotated[list[Annotated[list[Number], THREE]], THREE]
+Rotation = Annotated[Annotated[Turn, Tag("list")] | Annotated[Matrix, Tag("matrix")], Discriminator(rows)]
+Six = Annotated[list[Second], Field(min_length=6, max_length=6)]
+Inertia = Annotated[Annotated[Six, Tag("list")] | Annotated[Seconds3x3, Tag("matrix")], Discriminator(rows)]
+
+
+def rotation_matrix(given: Sequence[Any]) -> Array:
+    """R (3, 3) of a rotation vector (3,) rad, or of the matrix itself.
+
+    Raises InputError for a vector of more than a full turn, which is one in degrees.
+    """
+    from scipy.spatial.transform import Rotation as Turned
+
+    array = np.asarray(given, dtype=float)
+    if array.ndim == 2:
+        return array
+    if np.linalg.norm(array) > 2 * np.pi + 1e-9:
+        raise InputError(f'rotation is {given} rad, more than a full turn; write degrees as "30 deg"')
+    return without_roundoff(Turned.from_rotvec(array).as_matrix(), 1.0, 1e-15)
+
+
+def inertia_matrix(given: Sequence[Any]) -> Array:
+    """(3, 3) kg m² of XX, YY, ZZ, XY, XZ, YZ, or of the matrix itself."""
+    array = np.asarray(given, dtype=float)
+    return array if array.ndim == 2 else array[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
