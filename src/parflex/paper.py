@@ -13,7 +13,7 @@ from parflex.result import Result
 from parflex.robot import Robot
 from parflex.robots.gough_stewart import TABLE_2, gough_stewart, held, plate
 from parflex.simulation import simulate
-from parflex.sketch import instant_of_largest_bend
+from parflex.sketch import instant_of_largest_bend, sketch_of
 from parflex.state import State
 from parflex.trajectory import Trajectory
 
@@ -93,13 +93,14 @@ def figures(paper: PaperRun, directory: Path, suffix: str = "png") -> list[Path]
 
     result, modes = paper.result, paper.modes
     notes = str(result.dataset.attrs["notes"]).splitlines()
+    index = instant_of_largest_bend(result)
     drawn = {
         "fig4_actuator_forces": plot.actuator_forces(result),
         "fig5_accelerations": plot.accelerations(result),
         "fig6_origin_deformation": plot.origin_deformation(result),
         "fig7_attachment_deformation": plot.attachment_deformation(result),
         "energy": plot.energy(result),
-        "robot": plot.robot(result, index=instant_of_largest_bend(result)),
+        "robot": plot.robot_at(sketch_of(result, index), f"t = {float(result.dataset.time[index]):.2f} s"),
     }
     if len(modes.frequencies):
         drawn["modes"] = plot.mode_shapes(modes)
