@@ -80,10 +80,8 @@ def beyond_limits(robot: Robot, joints: tuple[Array, ...]) -> str:
     for number, (leg, q) in enumerate(zip(robot.legs, joints, strict=True), start=1):
         for j, joint in enumerate(leg.joints):
             if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
-                lines.append(
-                    f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}, beyond "
-                    f"its limits {joint.q_min:.4g} … {joint.q_max:.4g}"
-                )
+                was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
+                lines.append(f"{was}, beyond its limits {joint.q_min:.4g} … {joint.q_max:.4g}")
     return "\n".join(lines)
 
 
