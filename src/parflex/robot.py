@@ -162,7 +162,7 @@ def side_by_side(groups: list[LegGroup]) -> LegGroup:
     if len(groups) == 1:
         return first
 
-    def together(parts: list[Any]) -> dict[str, Array]:
+    def together(parts: list[Any]) -> dict[str, Any]:
         fields = parts[0]._asdict() if isinstance(parts[0], LegGroup) else vars(parts[0])
         arrays = [name for name, value in fields.items() if isinstance(value, np.ndarray)]
         return {name: np.concatenate([getattr(part, name) for part in parts]) for name in arrays}
