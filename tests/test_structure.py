@@ -35,6 +35,7 @@ def test_heavy_tools_stay_at_the_rim():
 
     homes = {
         "casadi": ("compiled",),
+        "llvmlite": ("compiled",),
         "skfem": ("fe",),
         "matplotlib": ("plot.py",),
         "typer": ("cli.py", "commands.py", "terminal.py"),
