@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from importlib import import_module
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -237,3 +238,19 @@ def test_the_command_checks_a_written_robot(tmp_path):
     done = CliRunner().invoke(app, ["check", str(path), "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     assert "3 freedoms" in done.output
+
+
+@robots
+def test_the_page_shows_it(name):
+    """Its picture is there, and the table counts as the model does."""
+    docs, entry = Path(__file__).parent.parent / "docs", ENTRIES[name]
+    assert (docs / "pictures" / f"gallery_{entry.build.__name__}.png").stat().st_size > 10_000
+    lines = (docs / "gallery.md").read_text(encoding="utf-8").splitlines()
+    (row,) = [line for line in lines if line.startswith(f"| [{name}]")]
+    cells = [cell.strip() for cell in row.strip("| ").split("|")]
+    found = model(name, True).mobility(robot(name, True).home)
+    legs = robot(name, True).legs
+    assert cells[1:3] == [f"`{entry.build.__name__}`", f"{len(legs)} × {legs[0].word}"]
+    modes = robot(name, True).platform.modes
+    assert cells[3:7] == [str(n) for n in (found.freedoms, found.actuators, found.rows, modes)]
+    assert cells[8] == entry.source

@@ -21,7 +21,7 @@ SIDE = 0.15  # m, of the hexagonal plate; two rods hold the ends of every other 
 PLATFORM = (-30, 30, 90, 150, 210, 270)  # degrees: the corners of the plate
 ARM, ROD = 0.35, 0.80  # m
 HOME = (0.0, 0.0, -0.70)  # m, under the motors
-PLATE: dict[str, Any] = {"thickness": 5e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 3e-3, **STEEL}
 
 ARM_LINK = together(
     tube(CARBON["density"], 0.025, (0, 0, 0), (ARM, 0, 0), bore=0.023),
@@ -29,7 +29,7 @@ ARM_LINK = together(
     tube(STEEL["density"], 0.020, (0, 0, -0.03), (0, 0, 0.03)),
 )
 ROD_LINK = tube(CARBON["density"], 0.008, (0, 0, 0), (ROD, 0, 0), bore=0.006)
-ROTOR = 0.02  # kg m², of the motor behind its gear
+ROTOR = 0.01  # kg m², of the motor behind its gear
 
 OUTPUT = (0, 1, 2)
 STILL = (0.0, 0.0, 0.0)

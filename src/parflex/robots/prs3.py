@@ -20,11 +20,11 @@ AROUND = (0, 120, 240)  # degrees: the columns, and the short sides of the plate
 PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
 ROD = 0.45  # m
 HOME = (0.0, 0.0, 0.70)  # m over the feet of the columns
-PLATE: dict[str, Any] = {"thickness": 10e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
 
 CARRIAGE = box(ALUMINIUM["density"], (0.05, 0.14, 0.14))
 ROD_LINK = box(ALUMINIUM["density"], (ROD, 0.02, 0.04), (ROD / 2, 0, 0))
-ROTOR = 5.0  # kg, of the motor behind its screw
+ROTOR = 2.0  # kg, of the motor behind its screw
 
 OUTPUT = (2, 3, 4)
 MOVES = (

@@ -19,11 +19,11 @@ BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
 AROUND = (0, 120, 240)  # degrees: the hinges, and the short sides of the plate, held in their middles
 PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
 HOME = (0.0, 0.0, 0.65)  # m
-PLATE: dict[str, Any] = {"thickness": 10e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
 
 CYLINDER = tube(STEEL["density"], 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
 PISTON = tube(STEEL["density"], 0.012, (0, 0, -0.40), (0, 0, 0))
-ROTOR = 8.0  # kg, of the motor behind its screw
+ROTOR = 4.0  # kg, of the motor behind its screw
 
 OUTPUT = (2, 3, 4)
 MOVES = (

@@ -16,11 +16,11 @@ from parflex.robots.rings import plate, ring, standing
 SOURCE = "topology: Hunt 1983; Pierrot, Dauchez and Fournier 1991 (Hexa); parameters our own"
 
 BASE_RADIUS = 0.5  # m
-BASE = (-24, 24, 96, 144, 216, 264)  # degrees: where the motors are
+BASE = (-28, 28, 92, 148, 212, 268)  # degrees: where the motors are
 PLATFORM_RADIUS = 0.3  # m
 PLATFORM = (-45, 45, 75, 165, 195, 285)  # degrees: the corners of the plate
 CRANK, ROD = 0.20, 0.60  # m
-HOME = (0.0, 0.0, 0.47)  # m: the cranks are nearly level
+HOME = (0.0, 0.0, 0.48)  # m: the cranks are nearly level
 PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
 
 CRANK_LINK = together(
