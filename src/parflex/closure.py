@@ -12,6 +12,7 @@ import numpy as np
 
 from parflex.array import Array, block, block_diagonal, join, merged, mv, transpose
 from parflex.assembly import System, actuated_positions, assemble, diagonal, joint_position
+from parflex.check import of_type
 from parflex.errors import InputError, NotConverged
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
@@ -37,6 +38,8 @@ JOINTS, POSE, ALL = Freedom(False, False), Freedom(True, False), Freedom(True, T
 def flat_state(robot: Robot, state: State) -> Array:
     """The flat state (…, size); joints that it carries are closed by Newton's method."""
     layout = robot.layout
+    of_type("state", state, State)
+    check_joints(robot, state)
     if layout.carried:
         x = pack(started(robot, state), layout)
         x = with_rates(robot, closed(robot, x, JOINTS)[0], JOINTS)
@@ -47,6 +50,21 @@ def flat_state(robot: Robot, state: State) -> Array:
     return x
 
 
+def check_joints(robot: Robot, state: State) -> None:
+    """Raise InputError where the joints that a state names are not those of the legs."""
+    counts = [len(leg.joints) for leg in robot.legs]
+    for name in ("joints", "joint_rates"):
+        values = getattr(state, name)
+        if values is not None and len(values) != len(counts):
+            raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
+        for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
+            if value is not None and value.shape[-1] != count:
+                raise InputError(
+                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                    f"last axis must be {count} long"
+                )
+
+
 def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
     """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
     with np.errstate(invalid="ignore", divide="ignore"):
@@ -55,11 +73,11 @@ def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None
         for place, number in enumerate(leg.group.legs):
             given = None if leg.group.type.carries else joints[number]
             for j in range(0 if given is None else leg.group.chain.n):
-                turn = np.remainder(joint_position(leg, j)[..., place] - given[..., j] + np.pi, 2 * np.pi)
-                if leg.group.chain.sigma[j] == 0 and np.any(np.abs(turn - np.pi) > OTHER_BRANCH):
+                turn = np.abs(within_half_a_turn(joint_position(leg, j)[..., place] - given[..., j]))
+                if leg.group.chain.sigma[j] == 0 and np.any(turn > OTHER_BRANCH):
                     raise InputError(
                         f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
-                        f"{j + 1} differs by {np.max(np.abs(turn - np.pi)):.2f} rad; leave it None, or give "
+                        f"{j + 1} differs by {np.max(turn):.2f} rad; leave it None, or give "
                         f"the leg a posture on the branch that you want"
                     )
 
@@ -106,13 +124,18 @@ def posed(robot: Robot, x: Array, wanted: Array) -> tuple[Array, Array]:
     def gap_and_step(y: Array) -> tuple[Array, Array]:
         system = assemble(robot, coordinates(y, robot.layout))
         ahead = actuated_positions(robot, system) - wanted
-        ahead = np.where(slides, ahead, np.remainder(ahead + np.pi, 2 * np.pi) - np.pi)
+        ahead = np.where(slides, ahead, within_half_a_turn(ahead))
         r = join([gaps(system), ahead])
         G = closure_matrix(system)
         S = np.broadcast_to(actuated_rows(robot), G.shape[:-2] + actuated_rows(robot).shape)
         return r, -least_squares(robot, np.concatenate([G, S], axis=-2), r, POSE)
 
     return damped(robot, x, gap_and_step)
+
+
+def within_half_a_turn(angle: Array) -> Array:
+    """The angle in [−π, π), rad."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
 def damped(

@@ -1,5 +1,6 @@
 """From the rows of an integration to a labelled dataset: forces, geometry, energies, differences."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -7,11 +8,12 @@ import xarray as xr
 
 import parflex
 from parflex.array import Array, mtv, mv
+from parflex.assembly import assemble
 from parflex.body import FlexibleBody
 from parflex.energy import energies
 from parflex.kinematics import position_in_world
 from parflex.result import FORMAT, Result
-from parflex.state import Layout, coordinates, unpack
+from parflex.state import Layout, coordinates
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -123,17 +125,27 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
 
 def geometry_variables(model: "Model", run: "Run") -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
+    from parflex.model import legs_of
+
     robot, body = model.robot, model.robot.platform
     c = coordinates(run.x, robot.layout)
-    legs = model.legs(unpack(run.x, robot.layout))
-    width = max((q.shape[-1] for q in legs.q), default=0)
-    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q]
-    joint = np.stack(padded, axis=1) if padded else np.zeros((len(run.t), 0, 0))
+    legs = legs_of(robot, assemble(robot, c))
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
     place = position_in_world(body.attachment_points + bent, c)
     out: Variables = {
-        "joint": (("time", "leg", "joint_number"), joint, "m, rad", "joint positions"),
+        "joint": (
+            ("time", "leg", "joint_number"),
+            side_by_side(legs.q, len(run.t)),
+            "m, rad",
+            "joint positions",
+        ),
+        "joint_rate": (
+            ("time", "leg", "joint_number"),
+            side_by_side(legs.qd, len(run.t)),
+            "m s-1, rad s-1",
+            "joint rates",
+        ),
         "leg_origin": (
             ("leg", "axis"),
             np.array([leg.origin for leg in robot.legs]).reshape(-1, 3),
@@ -180,6 +192,13 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
             "deformation at the platform's origin, in platform axes",
         )
     return out
+
+
+def side_by_side(values: Sequence[Array], count: int) -> Array:
+    """One (T, n_i) per leg as (T, legs, n); not a number where a leg has fewer joints than others."""
+    width = max((q.shape[-1] for q in values), default=0)
+    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in values]
+    return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
 
 
 def energy_variables(model: "Model", run: "Run") -> Variables:
