@@ -102,7 +102,7 @@ class Model:
         w = generalised_force(self.robot.platform, state, wrenches)
         check_batch(x, u, w, "forces")
         Vd, qdd_e, f, health = self.function(kernels.direct)(x, u, w)
-        self._check(x, health)
+        self.check(x, health)
         singular.check_finite(Vd)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
@@ -132,7 +132,7 @@ class Model:
         check_batch(x, wanted, w, "target", bias)
         found = self.function(kernels.inverse, output)(x, wanted, w, bias)
         forces, Vd, qdd_e, f, gain, health = found
-        self._check(x, health)
+        self.check(x, health)
         singular.check_finite(gain)
         rigid = self.function(kernels.gains, output)(x)[1]
         beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
@@ -283,7 +283,7 @@ class Model:
         layout = self.robot.layout
         pose = State(state.position, state.rotation, joints=state.joints)
         start = self._single(name, self._projected(pose))
-        self._check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
+        self.check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
         N = layout.modes
 
         def bent(q_e: Array) -> Array:
@@ -301,7 +301,7 @@ class Model:
             singular.check_legs(self.robot, self._assembled(self.flat(state))[1])
             raise
 
-    def _check(self, x: Array, health: Array) -> None:
+    def check(self, x: Array, health: Array) -> None:
         """Raise where a flat state is none, or the closure loses a row there."""
         singular.check_health(self.robot, health)
         if not all(group.closed for group in self.robot.groups):
