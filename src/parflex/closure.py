@@ -22,6 +22,7 @@ CLOSED = 1e-13  # of the platform's size: a gap that is round-off
 STEPS = 60
 LARGEST_TURN = 0.5  # rad, in one step
 OTHER_BRANCH = 0.5  # rad, between a joint that is given and the closed form's
+FOLLOW = 1e3  # how much easier a joint moves than the pose
 WEAKEST = 1e-9  # of the largest singular value: what counts as a direction that can be moved along
 
 
@@ -171,11 +172,17 @@ def with_rates(robot: Robot, x: Array, freedom: Freedom) -> Array:
 
 
 def least_squares(robot: Robot, G: Array, r: Array, freedom: Freedom, longest: float = LARGEST_TURN) -> Array:
-    """The shortest δ (…, 6 + N + n) with G δ nearest to r, no longer than one step may be."""
+    """The shortest δ (…, 6 + N + n) with G δ nearest to r, no longer than one step may be.
+
+    Where the pose may move, its length is what counts: the joints follow.
+    """
     scale = units(robot, freedom)
+    ease = np.where(
+        np.arange(len(scale)) < 6 + robot.platform.modes, 1.0, FOLLOW if freedom.platform else 1.0
+    )
     bad = ~np.all(np.isfinite(G), axis=(-2, -1))[..., None]
-    inverse = np.linalg.pinv(np.where(bad[..., None], 0.0, G * scale), rcond=WEAKEST)
-    step = mv(inverse, np.where(bad, 0.0, r))
+    inverse = np.linalg.pinv(np.where(bad[..., None], 0.0, G * (scale * ease)), rcond=WEAKEST / np.max(ease))
+    step = ease * mv(inverse, np.where(bad, 0.0, r))
     length = np.max(np.abs(step), axis=-1, initial=0.0)[..., None] / size_of(robot)
     return scale * step * np.minimum(1.0, longest / np.maximum(length, 1e-300))
 
