@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from parflex import assembly, cartesian, closure, geometry, singular
 from parflex.array import Array
 from parflex.cartesian import Cartesian
-from parflex.check import finite, of_type
+from parflex.check import exactly, finite, integer, of_type
 from parflex.compiled import choose, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
@@ -215,9 +215,8 @@ class Model:
         """
         from parflex.statics import equilibrium
 
-        wanted = finite("joints", joints, (self.robot.n_forces,))
-        start = self.robot.home if guess is None else guess
-        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
+        wanted = exactly("joints", joints, (self.robot.n_forces,))
+        x = self._guess(guess)
         if not sag:
             return unpack(geometry.pose(self, wanted, x), self.robot.layout)
         N = self.robot.platform.modes
@@ -232,10 +231,9 @@ class Model:
         Newton's method is started at the guess and at random about it; on the branches of the legs'
         inverse geometry that the robot states. An empty list says that none was found.
         """
-        wanted = finite("joints", joints, (self.robot.n_forces,))
-        start = self.robot.home if guess is None else guess
-        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
-        found = geometry.every_pose(self, wanted, x, starts, seed)
+        wanted = exactly("joints", joints, (self.robot.n_forces,))
+        x = self._guess(guess)
+        found = geometry.every_pose(self, wanted, x, integer("starts", starts, 1), seed)
         return [unpack(one, self.robot.layout) for one in found]
 
     def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
@@ -306,6 +304,12 @@ class Model:
         singular.check_health(self.robot, health)
         if not all(group.closed for group in self.robot.groups):
             singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
+
+    def _guess(self, guess: State | None) -> Array:
+        """The flat state at rest to look for poses from, by default home."""
+        start = self.robot.home if guess is None else guess
+        of_type("guess", start, State)
+        return self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
 
     def _single(self, name: str, x: Array) -> Array:
         if x.ndim > 1:
