@@ -2,13 +2,16 @@
 
 import re
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import cases
 import parflex as pf
 from parflex.robots.gough_stewart import PLATE, corners
+from rewriting import reframed
 
 NAN = float("nan")
 HOME, UPRIGHT = (0.25, 0.433, 1.0), np.eye(3)
@@ -149,7 +152,44 @@ CASES = {
         lambda: pf.Trajectory([HOME, HOME], [UPRIGHT] * 2, [-1.0]),
         "must be positive",
     ),
+    "text for a limit": (lambda: leg(q_min="low"), "Joint.q_min is not an array of numbers"),
+    "no limit": (lambda: leg(q_max=None), "Joint.q_max is not an array of numbers"),
+    "limits of two joints": (lambda: leg(q_min=np.zeros(2)), r"Joint.q_min has shape \(2,\)"),
+    "no number for a limit": (lambda: leg(q_min=NAN), "Joint.q_min is nan"),
+    "limits crossed": (lambda: leg(q_min=1.0, q_max=-np.inf), "q_min must be less"),
+    "posture of one": (
+        lambda: replace(pf.robots.gough_stewart(0).legs[0], posture=[0.0]),
+        r"Leg.posture has shape \(1,\); expected \(3\)",
+    ),
+    "home of nowhere": (lambda: at_home(None), "Robot.home_pose is NoneType; give a pair"),
+    "home without axes": (lambda: at_home((HOME,)), "Robot.home_pose is tuple; give a pair"),
+    "home of two numbers": (lambda: at_home(((0, 0), UPRIGHT)), r"Robot.home_pose\[0\] has shape \(2,\)"),
+    "mirrored home": (lambda: at_home((HOME, -UPRIGHT)), r"Robot.home_pose\[1\] is not a rotation"),
+    "many homes": (lambda: at_home((HOME, [UPRIGHT] * 2)), r"Robot.home_pose\[1\] has shape \(2, 3, 3\)"),
+    "nan joints": (
+        lambda: pf.State(HOME, UPRIGHT, joints=((0.0, NAN),)),
+        r"State.joints\[0\] is nan at index \(1,\)",
+    ),
+    "joints of no leg": (lambda: pf.State(HOME, UPRIGHT, joints=np.zeros(3)), "State.joints is ndarray"),
+    "tool of two numbers": (lambda: pf.PointOutput(0, (0, 1)), r"PointOutput.offset has shape \(2,\)"),
+    "point of seven rows": (lambda: pf.PointOutput(0, rows=(7,)), "PointOutput.rows is .7,.; name some"),
+    "rows twice": (lambda: pf.PointOutput(0, rows=(1, 1)), "each once"),
+    "half a point": (lambda: pf.PointOutput(0.5), "PointOutput.node is 0.5"),
 }  # fmt: skip
+
+
+def at_home(pose):
+    """A body that no leg holds, at this home pose."""
+    return pf.Robot((), nodes(), home_pose=pose)
+
+
+def test_home_pose_is_kept_as_arrays():
+    """What came as lists and whole numbers; the caller's arrays stay his own."""
+    mine = np.eye(3)
+    robot = at_home(([0, 0, 1], mine))
+    mine[:] = 0
+    assert robot.home_pose[0].dtype == float
+    assert np.array_equal(robot.home_pose[1], UPRIGHT)
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -373,3 +413,132 @@ def test_computed_torque_needs_six_actuators():
     way = pf.Trajectory.through(robot.home, [((0.1, 0, 0), (0, 0, 0))], 1.0)
     with pytest.raises(pf.InputError, match="follows 6 freedoms, but the robot has 3 actuators"):
         pf.ComputedTorque(three, way)
+
+
+# --- robots of fewer freedoms, and legs whose joints are carried in the state ---
+
+
+@cache
+def case_model(name, backend, rewriting=None):
+    """A rigid reference case, as it is or written otherwise."""
+    sample = cases.case(name, "rigid")
+    return pf.Model((sample if rewriting is None else rewriting(sample)).robot, backend)
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm"])
+@pytest.mark.parametrize("name", ["rps3", "delta3"])
+def test_empty_batches_of_fewer_freedoms(name, backend):
+    """Of states, of forces, of targets; (0,) and (2, 0, 3)."""
+    model, rows = case_model(name, backend), cases.case(name, "rigid").output
+    home = model.robot.home
+    for batch in ((0,), (2, 0, 3)):
+        none = pf.State(np.zeros((*batch, 3)), UPRIGHT)
+        assert model.direct(none, np.zeros(3)).platform.shape == (*batch, 6)
+        assert model.direct(home, np.zeros((*batch, 3))).contact_forces.shape[: len(batch)] == batch
+        assert model.inverse(home, np.zeros((*batch, 3)), rows).forces.shape == (*batch, 3)
+        assert model.legs(none).q[1].shape == (*batch, len(model.robot.legs[1].joints))
+        assert model.reactions(none, np.zeros(3)).force[0].shape[:-2] == batch
+        assert model.project(none).position.shape == (*batch, 3)
+
+
+@pytest.mark.parametrize("name", cases.NAMES)
+def test_empty_batches_of_carried_legs(name):
+    model = case_model(name, "numpy", reframed)
+    none = pf.State(np.zeros((0, 3)), UPRIGHT)
+    assert model.direct(none, np.zeros(model.robot.n_forces)).platform.shape == (0, 6)
+    assert model.legs(none).qd[0].shape == (0, len(model.robot.legs[0].joints))
+
+
+@pytest.mark.parametrize("rewriting", [None, reframed])
+@pytest.mark.parametrize("name", cases.NAMES)
+def test_joints_of_another_robot_are_refused(name, rewriting):
+    """As many legs, and as many joints of each, as the robot has: for legs of every kind."""
+    model = case_model(name, "numpy", rewriting)
+    home, m = model.robot.home, model.robot.n_forces
+    q = model.legs(home).q
+    model.direct(replace(home, joints=q), np.zeros(m))
+    for field in ("joints", "joint_rates"):
+        for wrong in (q[:-1], (*q, q[0])):
+            with pytest.raises(pf.InputError, match=f"State.{field} has {len(wrong)} entries; this robot"):
+                model.direct(replace(home, **{field: wrong}), np.zeros(m))
+        for wrong in (q[1][:-1], np.append(q[1], 0.0)):
+            with pytest.raises(pf.InputError, match=rf"State.{field}\[1\] has shape \({len(wrong)},\)"):
+                model.direct(replace(home, **{field: (q[0], wrong, *q[2:])}), np.zeros(m))
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm"])
+def test_outputs_and_preloads_of_wrong_shape(backend):
+    model = case_model("delta3", backend)
+    home, three = model.robot.home, pf.FrameOutput((0, 1, 2))
+    with pytest.raises(pf.InputError, match="PointOutput.node is 6; the platform has nodes 0 … 5"):
+        model.inverse(home, np.zeros(3), pf.PointOutput(6))
+    with pytest.raises(pf.InputError, match="output is tuple; expected an Output"):
+        model.inverse(home, np.zeros(3), (0, 1, 2))
+    with pytest.raises(pf.InputError, match="asks for 6 accelerations, but the robot has 3 actuators"):
+        model.inverse(home, np.zeros(6), pf.PointOutput(0, rows=range(6)))
+    with pytest.raises(pf.InputError, match=r"preload has shape \(4,\); expected \(3\)"):
+        model.inverse(home, np.zeros(3), three, preload=np.zeros(4))
+    with pytest.raises(pf.InputError, match=r"\(3,\) of target.* \(4,\) of preload; they must broadcast"):
+        model.inverse(home, np.zeros((3, 3)), three, preload=np.zeros((4, 3)))
+    with pytest.raises(pf.InputError, match="preload is nan"):
+        model.inverse(home, np.zeros(3), three, preload=[0, NAN, 0])
+
+
+@pytest.mark.parametrize("rewriting", [None, reframed])
+@pytest.mark.parametrize("name", cases.NAMES)
+def test_poses_far_away_are_refused_everywhere(name, rewriting):
+    """Five metres off: every door says so in a sentence, without a warning from the arithmetic."""
+    model = case_model(name, "numpy", rewriting)
+    m, far = model.robot.n_forces, pf.State((5.0, 5.0, 5.0), UPRIGHT)
+    doors = {
+        "direct": lambda: model.direct(far, np.zeros(m)),
+        "legs": lambda: model.legs(far),
+        "mobility": lambda: model.mobility(far),
+        "joint controller": lambda: pf.JointPD(model, far, 1.0, 1.0),
+        "simulate": lambda: pf.simulate(model, np.zeros(m), far, [0.0, 0.1]),
+    }
+    if rewriting is None and name != "rps3":  # whose legs are as long as one likes
+        doors["project"] = lambda: model.project(far)
+        doors["static"] = lambda: model.static(far.position, far.rotation)
+        doors["report"] = lambda: model.output_report(far, cases.case(name, "rigid").output)
+    if rewriting:
+        doors["pack"] = lambda: model.compiled().pack(far)
+    words = "cannot reach|off the closure|no state on the closure|no joints of leg 1 were found"
+    for door in doors.values():
+        with pytest.raises(pf.InputError, match=words) as caught:
+            door()
+        assert "inf" not in str(caught.value)
+
+
+def test_start_off_the_closure_is_refused():
+    """In place and in velocity; the sentence names the leg, the gap and the remedy."""
+    model = case_model("rps3", "numpy")
+    home = model.robot.home
+    moved = replace(home, position=home.position + [0, 1e-3, 0])
+    with pytest.raises(pf.InputError, match=r"a gap of 0.001 m between leg 1 .*model.project\(state\)"):
+        pf.simulate(model, np.zeros(3), moved, [0.0, 0.1])
+    sliding = replace(home, twist=(0, 0.02, 0, 0, 0, 0))
+    with pytest.raises(pf.InputError, match="a gap velocity of 0.02 m/s between leg 1"):
+        pf.simulate(model, np.zeros(3), sliding, [0.0, 0.1])
+    batch = pf.State(np.stack([home.position, moved.position]), UPRIGHT)
+    with pytest.raises(pf.InputError, match="state at index 1 is off the closure"):
+        model.direct(batch, np.zeros(3))
+
+
+def test_forward_geometry_takes_one_set_of_joints():
+    model = case_model("rps3", "numpy")
+    for call in (model.pose, model.poses):
+        with pytest.raises(pf.InputError, match=r"joints has shape \(2,\); expected \(3\)"):
+            call([0.7, 0.7])
+        with pytest.raises(pf.InputError, match=r"joints has shape \(2, 3\); expected \(3\)"):
+            call(np.full((2, 3), 0.7))
+        with pytest.raises(pf.InputError, match="joints is nan"):
+            call([0.7, NAN, 0.7])
+        with pytest.raises(pf.InputError, match="guess is tuple; expected a State"):
+            call([0.7, 0.7, 0.7], (HOME, UPRIGHT))
+        with pytest.raises(pf.InputError, match=r"guess is a batch \(2,\)"):
+            call([0.7, 0.7, 0.7], pf.State(np.zeros((2, 3)), UPRIGHT))
+    with pytest.raises(pf.InputError, match="starts is 2.5; it must be a whole number"):
+        model.poses([0.7, 0.7, 0.7], starts=2.5)
+    with pytest.raises(pf.InputError, match="starts is 0; it must be a whole number, 1 or more"):
+        model.poses([0.7, 0.7, 0.7], starts=0)

@@ -12,6 +12,7 @@ import numpy as np
 
 from parflex.array import Array, block, block_diagonal, join, merged, mv, transpose
 from parflex.assembly import System, actuated_positions, assemble, diagonal, joint_position
+from parflex.check import of_type
 from parflex.errors import InputError, NotConverged
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
@@ -21,6 +22,7 @@ CLOSED = 1e-13  # of the platform's size: a gap that is round-off
 STEPS = 60
 LARGEST_TURN = 0.5  # rad, in one step
 OTHER_BRANCH = 0.5  # rad, between a joint that is given and the closed form's
+FOLLOW = 1e3  # how much easier a joint moves than the pose
 WEAKEST = 1e-9  # of the largest singular value: what counts as a direction that can be moved along
 
 
@@ -37,6 +39,8 @@ JOINTS, POSE, ALL = Freedom(False, False), Freedom(True, False), Freedom(True, T
 def flat_state(robot: Robot, state: State) -> Array:
     """The flat state (…, size); joints that it carries are closed by Newton's method."""
     layout = robot.layout
+    of_type("state", state, State)
+    check_joints(robot, state)
     if layout.carried:
         x = pack(started(robot, state), layout)
         x = with_rates(robot, closed(robot, x, JOINTS)[0], JOINTS)
@@ -45,6 +49,21 @@ def flat_state(robot: Robot, state: State) -> Array:
     if state.joints is not None:
         check_branch(robot, x, state.joints)
     return x
+
+
+def check_joints(robot: Robot, state: State) -> None:
+    """Raise InputError where the joints that a state names are not those of the legs."""
+    counts = [len(leg.joints) for leg in robot.legs]
+    for name in ("joints", "joint_rates"):
+        values = getattr(state, name)
+        if values is not None and len(values) != len(counts):
+            raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
+        for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
+            if value is not None and value.shape[-1] != count:
+                raise InputError(
+                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                    f"last axis must be {count} long"
+                )
 
 
 def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
@@ -57,11 +76,11 @@ def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None
             if given is None or leg.group.type.carries:
                 continue
             for j in range(leg.group.chain.n):
-                turn = np.remainder(joint_position(leg, j)[..., place] - given[..., j] + np.pi, 2 * np.pi)
-                if leg.group.chain.sigma[j] == 0 and np.any(np.abs(turn - np.pi) > OTHER_BRANCH):
+                turn = np.abs(within_half_a_turn(joint_position(leg, j)[..., place] - given[..., j]))
+                if leg.group.chain.sigma[j] == 0 and np.any(turn > OTHER_BRANCH):
                     raise InputError(
                         f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
-                        f"{j + 1} differs by {np.max(np.abs(turn - np.pi)):.2f} rad; leave it None, or give "
+                        f"{j + 1} differs by {np.max(turn):.2f} rad; leave it None, or give "
                         f"the leg a posture on the branch that you want"
                     )
 
@@ -108,13 +127,18 @@ def posed(robot: Robot, x: Array, wanted: Array) -> tuple[Array, Array]:
     def gap_and_step(y: Array) -> tuple[Array, Array]:
         system = assemble(robot, coordinates(y, robot.layout))
         ahead = actuated_positions(robot, system) - wanted
-        ahead = np.where(slides, ahead, np.remainder(ahead + np.pi, 2 * np.pi) - np.pi)
+        ahead = np.where(slides, ahead, within_half_a_turn(ahead))
         r = join([gaps(system), ahead])
         G = closure_matrix(system)
         S = np.broadcast_to(actuated_rows(robot), G.shape[:-2] + actuated_rows(robot).shape)
         return r, -least_squares(robot, np.concatenate([G, S], axis=-2), r, POSE)
 
     return damped(robot, x, gap_and_step)
+
+
+def within_half_a_turn(angle: Array) -> Array:
+    """The angle in [−π, π), rad."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
 def damped(
@@ -150,11 +174,17 @@ def with_rates(robot: Robot, x: Array, freedom: Freedom) -> Array:
 
 
 def least_squares(robot: Robot, G: Array, r: Array, freedom: Freedom, longest: float = LARGEST_TURN) -> Array:
-    """The shortest δ (…, 6 + N + n) with G δ nearest to r, no longer than one step may be."""
+    """The shortest δ (…, 6 + N + n) with G δ nearest to r, no longer than one step may be.
+
+    Where the pose may move, its length is what counts: the joints follow.
+    """
     scale = units(robot, freedom)
+    ease = np.where(
+        np.arange(len(scale)) < 6 + robot.platform.modes, 1.0, FOLLOW if freedom.platform else 1.0
+    )
     bad = ~np.all(np.isfinite(G), axis=(-2, -1))[..., None]
-    inverse = np.linalg.pinv(np.where(bad[..., None], 0.0, G * scale), rcond=WEAKEST)
-    step = mv(inverse, np.where(bad, 0.0, r))
+    inverse = np.linalg.pinv(np.where(bad[..., None], 0.0, G * (scale * ease)), rcond=WEAKEST / np.max(ease))
+    step = ease * mv(inverse, np.where(bad, 0.0, r))
     length = np.max(np.abs(step), axis=-1, initial=0.0)[..., None] / size_of(robot)
     return scale * step * np.minimum(1.0, longest / np.maximum(length, 1e-300))
 

@@ -5,9 +5,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parflex.array import Array
-from parflex.closure import CLOSED, POSE, displaced, posed, size_of, units
+from parflex.closure import CLOSED, POSE, displaced, posed, size_of, units, within_half_a_turn
 from parflex.errors import NotConverged
 from parflex.progress import Progress
+from parflex.robot import Robot
+from parflex.state import coordinates
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -39,17 +41,21 @@ def every_pose(model: "Model", wanted: Array, start: Array, starts: int, seed: i
         for done in range(starts):
             step = spread * rng.uniform(-1, 1, len(spread)) * (done > 0)
             x, gap = posed(robot, displaced(robot, start, step), wanted)
-            if gap <= CLOSE_ENOUGH * max(1.0, size) and not any(same(x, other, size) for other in found[1:]):
+            if gap <= CLOSE_ENOUGH * max(1.0, size) and not any(same(robot, x, y) for y in found[1:]):
                 found.append(x)
             bar.to(done + 1)
     return sorted(found[1:], key=lambda x: distance(x, start, size))
 
 
-def same(a: Array, b: Array, size: float) -> bool:
-    """Whether two flat states are one pose, with the same joints."""
-    tail = 13
-    apart = np.max(np.abs(a[tail:] - b[tail:]), initial=0.0)
-    return max(distance(a, b, size), apart) < SAME * max(1.0, size)
+def same(robot: Robot, a: Array, b: Array) -> bool:
+    """Whether two flat states are one pose, with the same joints but for full turns."""
+    slides = [
+        j.sigma for leg, n in zip(robot.legs, robot.layout.joints, strict=True) if n for j in leg.joints
+    ]
+    apart = coordinates(a, robot.layout).q - coordinates(b, robot.layout).q
+    apart = np.where(np.array(slides, dtype=bool), apart, within_half_a_turn(apart))
+    size = size_of(robot)
+    return max(distance(a, b, size), np.max(np.abs(apart), initial=0.0)) < SAME * max(1.0, size)
 
 
 def distance(a: Array, b: Array, size: float) -> float:

@@ -7,11 +7,14 @@ import numpy as np
 
 from parflex.array import Array
 from parflex.assembly import assemble
-from parflex.closure import ALL, actuated_rows, closure_matrix, size_of, units
+from parflex.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, size_of, units
 from parflex.robot import Robot
 from parflex.state import coordinates
 
-RANK = 1e-8  # smallest singular value of a matrix with entries of order 1
+RANK = (
+    1e-6  # of matrices with entries of order 1; near a serial singularity joints go with the root of a pose
+)
+HAIR = 1e-14  # of the platform's size: what round-off may put a pose beyond reach
 
 
 @dataclass(frozen=True)
@@ -81,6 +84,18 @@ def mobility(robot: Robot, x: Array) -> Mobility:
         serial=unit(span(Z_a @ still)),
         locked=unit(null_space(Z_p.T).T) * lengths,
     )
+
+
+def reached(robot: Robot, x: Array) -> Array:
+    """The flat state; where only round-off puts it beyond a leg's reach, one a hair away, within."""
+    steps = HAIR * size_of(robot) * np.diag(units(robot, POSE))
+    near = displaced(
+        robot, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        G = closure_matrix(assemble(robot, coordinates(near, robot.layout)))
+    within = np.all(np.isfinite(G), axis=(-2, -1))
+    return x if within[0] or not np.any(within) else near[np.argmax(within)]
 
 
 def motions(robot: Robot, x: Array) -> Motions:

@@ -11,13 +11,13 @@ from numpy.typing import ArrayLike
 from parflex import assembly, cartesian, closure, geometry, singular
 from parflex.array import Array
 from parflex.cartesian import Cartesian
-from parflex.check import finite, of_type
+from parflex.check import exactly, finite, integer, of_type
 from parflex.compiled import choose, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
-from parflex.errors import DynamicSingularity, InputError
-from parflex.mobility import Mobility, mobility
+from parflex.errors import DynamicSingularity, InputError, NotConverged
+from parflex.mobility import Mobility, mobility, reached
 from parflex.output import FrameOutput, Output
 from parflex.robot import Robot
 from parflex.state import State, Wrench, coordinates, unpack
@@ -102,7 +102,7 @@ class Model:
         w = generalised_force(self.robot.platform, state, wrenches)
         check_batch(x, u, w, "forces")
         Vd, qdd_e, f, health = self.function(kernels.direct)(x, u, w)
-        self._check(x, health)
+        self.check(x, health)
         singular.check_finite(Vd)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
@@ -129,10 +129,10 @@ class Model:
         wanted = finite("target", target, (output.size,))
         w = generalised_force(self.robot.platform, state, wrenches)
         bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
-        check_batch(x, wanted, w, "target")
+        check_batch(x, wanted, w, "target", bias)
         found = self.function(kernels.inverse, output)(x, wanted, w, bias)
         forces, Vd, qdd_e, f, gain, health = found
-        self._check(x, health)
+        self.check(x, health)
         singular.check_finite(gain)
         rigid = self.function(kernels.gains, output)(x)[1]
         beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
@@ -149,12 +149,7 @@ class Model:
 
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        system = self._system(state)
-        positions = [
-            np.stack([assembly.joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1)
-            for leg in system.legs
-        ]
-        return Legs(self._by_leg(system, positions), self._by_leg(system, [leg.qd for leg in system.legs]))
+        return legs_of(self.robot, self._system(state))
 
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
@@ -164,7 +159,7 @@ class Model:
         Raises as `direct`.
         """
         system, u, f = self._driven(state, forces, wrenches)
-        return self._by_leg(system, assembly.joint_accelerations(self.robot, system, u, f))
+        return by_leg(self.robot, assembly.joint_accelerations(self.robot, system, u, f))
 
     def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
@@ -174,14 +169,18 @@ class Model:
         system, u, f = self._driven(state, forces, wrenches)
         qdd = assembly.joint_accelerations(self.robot, system, u, f)
         force, moment = zip(*assembly.joint_reactions(self.robot, system, qdd, f), strict=True)
-        return Reactions(self._by_leg(system, force), self._by_leg(system, moment))
+        return Reactions(by_leg(self.robot, force, core=2), by_leg(self.robot, moment, core=2))
 
     def mobility(self, state: State) -> Mobility:
         """Freedoms, redundant constraints, and singularities of both kinds with their directions.
 
-        Raises InputError for a batch, and as `project` does.
+        Raises InputError for a batch or a state off the closure, OutOfReach.
         """
-        return mobility(self.robot, self._single("state", self.flat(state)))
+        x = reached(self.robot, self._single("state", self.flat(state)))
+        health = self._assembled(x)[1]
+        singular.check_reach(self.robot, health)
+        singular.check_gaps(self.robot, health)
+        return mobility(self.robot, x)
 
     def output_report(self, state: State, output: Output | None = None) -> "OutputReport":
         """How well the actuators command an output about the equilibrium in a pose.
@@ -201,9 +200,10 @@ class Model:
 
         The platform's pose and twist are moved, and its bend only where they do not suffice.
 
-        Raises NotConverged where there is none near.
+        Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
+        at the given one.
         """
-        return unpack(closure.projected(self.robot, state), self.robot.layout)
+        return unpack(self._projected(state), self.robot.layout)
 
     def pose(self, joints: ArrayLike, guess: State | None = None, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
@@ -215,9 +215,8 @@ class Model:
         """
         from parflex.statics import equilibrium
 
-        wanted = finite("joints", joints, (self.robot.n_forces,))
-        start = self.robot.home if guess is None else guess
-        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
+        wanted = exactly("joints", joints, (self.robot.n_forces,))
+        x = self._guess(guess)
         if not sag:
             return unpack(geometry.pose(self, wanted, x), self.robot.layout)
         N = self.robot.platform.modes
@@ -232,10 +231,9 @@ class Model:
         Newton's method is started at the guess and at random about it; on the branches of the legs'
         inverse geometry that the robot states. An empty list says that none was found.
         """
-        wanted = finite("joints", joints, (self.robot.n_forces,))
-        start = self.robot.home if guess is None else guess
-        x = self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
-        found = geometry.every_pose(self, wanted, x, starts, seed)
+        wanted = exactly("joints", joints, (self.robot.n_forces,))
+        x = self._guess(guess)
+        found = geometry.every_pose(self, wanted, x, integer("starts", starts, 1), seed)
         return [unpack(one, self.robot.layout) for one in found]
 
     def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
@@ -245,19 +243,7 @@ class Model:
 
         Raises NotConverged where the platform is too soft for a small deflection.
         """
-        from parflex.statics import equilibrium
-
-        pose, layout = State(position, rotation), self.robot.layout
-        start = self._single("position and rotation", closure.projected(self.robot, pose))
-        self._check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
-        N = layout.modes
-
-        def bent(q_e: Array) -> Array:
-            held = np.concatenate([start[:13], q_e, start[13 + N :]])
-            return closure.projected(self.robot, unpack(held, layout))
-
-        x, forces = equilibrium(self, bent)
-        return unpack(x, layout), forces
+        return self.at_rest("position and rotation", State(position, rotation))
 
     def compiled(self) -> Compiled:
         """The models on flat arrays, without allocation; one per thread."""
@@ -274,7 +260,6 @@ class Model:
 
     def flat(self, state: State) -> Array:
         """The flat state (…, size); joints that it carries are closed by Newton's method."""
-        of_type("state", state, State)
         return closure.flat_state(self.robot, state)
 
     def _output(self, output: Output | None) -> Output:
@@ -289,11 +274,42 @@ class Model:
             )
         return output
 
-    def _check(self, x: Array, health: Array) -> None:
+    def at_rest(self, name: str, state: State) -> tuple[State, Array]:
+        """The equilibrium at the pose of a state, the joints it names as a start."""
+        from parflex.statics import equilibrium
+
+        layout = self.robot.layout
+        pose = State(state.position, state.rotation, joints=state.joints)
+        start = self._single(name, self._projected(pose))
+        self.check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
+        N = layout.modes
+
+        def bent(q_e: Array) -> Array:
+            held = np.concatenate([start[:13], q_e, start[13 + N :]])
+            return closure.projected(self.robot, unpack(held, layout))
+
+        x, forces = equilibrium(self, bent)
+        return unpack(x, layout), forces
+
+    def _projected(self, state: State) -> Array:
+        """The flat state on the closure; where there is none, which leg does not reach."""
+        try:
+            return closure.projected(self.robot, state)
+        except NotConverged:
+            singular.check_legs(self.robot, self._assembled(self.flat(state))[1])
+            raise
+
+    def check(self, x: Array, health: Array) -> None:
         """Raise where a flat state is none, or the closure loses a row there."""
         singular.check_health(self.robot, health)
         if not all(group.closed for group in self.robot.groups):
             singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
+
+    def _guess(self, guess: State | None) -> Array:
+        """The flat state at rest to look for poses from, by default home."""
+        start = self.robot.home if guess is None else guess
+        of_type("guess", start, State)
+        return self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
 
     def _single(self, name: str, x: Array) -> Array:
         if x.ndim > 1:
@@ -306,11 +322,15 @@ class Model:
 
     def _system(self, state: State) -> assembly.System:
         """The mechanics at a checked state."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            system = assembly.assemble(self.robot, coordinates(self.flat(state), self.robot.layout))
-            health = assembly.health(system)
+        system, health = self._assembled(self.flat(state))
         singular.check_health(self.robot, health)
         return system
+
+    def _assembled(self, x: Array) -> tuple[assembly.System, Array]:
+        """The mechanics at a flat state, and its health."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            system = assembly.assemble(self.robot, coordinates(x, self.robot.layout))
+            return system, assembly.health(system)
 
     def _driven(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
@@ -321,26 +341,33 @@ class Model:
         w = generalised_force(self.robot.platform, state, wrenches)
         return self._system(state), u, self.function(kernels.direct)(x, u, w)[2]
 
-    def _by_leg(self, system: assembly.System, values: Sequence[Any]) -> tuple[Array, ...]:
-        """Arrays (…, L, …) by group as one per leg."""
-        batch = system.x.position.ndim - 1
-        found: list[Array] = [np.zeros(0)] * len(self.robot.legs)
-        for leg, value in zip(system.legs, values, strict=True):
-            for place, number in enumerate(leg.group.legs):
-                found[number] = np.take(value, place, axis=batch)
-        return tuple(found)
+
+def legs_of(robot: Robot, system: assembly.System) -> Legs:
+    """Joint positions and rates of an assembled system."""
+    positions = [
+        np.stack([assembly.joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1)
+        for leg in system.legs
+    ]
+    return Legs(by_leg(robot, positions), by_leg(robot, [leg.qd for leg in system.legs]))
 
 
-def check_batch(x: Array, second: Array, w: Array, name: str) -> None:
-    """The leading axes of state, second argument and wrenches must broadcast."""
-    shapes = [a.shape[:-1] for a in (x, second, w)]
+def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, ...]:
+    """Arrays (…, L, n) by group, or (…, L, n, 3) with two axes of their own, as one per leg."""
+    found: list[Array] = [np.zeros(0)] * len(robot.legs)
+    for group, value in zip(robot.groups, values, strict=True):
+        for place, number in enumerate(group.legs):
+            found[number] = np.take(value, place, axis=-1 - core)
+    return tuple(found)
+
+
+def check_batch(x: Array, second: Array, w: Array, name: str, preload: Array | None = None) -> None:
+    """The leading axes of state, second argument, wrenches and preload must broadcast."""
+    shapes = {"state": x, name: second, "wrenches": w} | ({} if preload is None else {"preload": preload})
     try:
-        np.broadcast_shapes(*shapes)
+        np.broadcast_shapes(*(a.shape[:-1] for a in shapes.values()))
     except ValueError:
-        raise InputError(
-            f"the leading (batch) axes of state, {name} and wrenches are {shapes[0]}, {shapes[1]} "
-            f"and {shapes[2]}; they must broadcast together"
-        ) from None
+        said = ", ".join(f"{a.shape[:-1]} of {what}" for what, a in shapes.items())
+        raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None
 
 
 def by_attachment(robot: Robot, f: Array) -> Array:

@@ -1,5 +1,6 @@
 """From the rows of an integration to a labelled dataset: forces, geometry, energies, differences."""
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from parflex.kinematics import position_in_world
 from parflex.result import FORMAT, Result
 from parflex.robot import Robot
 from parflex.sketch import leg_paths
-from parflex.state import Layout, coordinates, unpack
+from parflex.state import Layout, coordinates
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -51,7 +52,7 @@ def record(
         "parflex_version": parflex.__version__,
         "backend": model.backend.version(),
         "gravity": np.asarray(robot.gravity),
-        "beyond_limits": beyond_limits(robot, model.legs(unpack(run.x, robot.layout)).q),
+        "beyond_limits": beyond_limits(robot, found["joint"][1]),
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",
         **settings,
     }
@@ -74,10 +75,10 @@ def actuator_units(robot: Robot) -> str:
     return ", ".join(unit for sigma, unit in ((1, "N"), (0, "N m")) if sigma in kinds) or "N"
 
 
-def beyond_limits(robot: Robot, joints: tuple[Array, ...]) -> str:
-    """A line for each joint (T, n_i) that was beyond its limits; they are not enforced."""
+def beyond_limits(robot: Robot, joints: Array) -> str:
+    """A line for each joint (T, legs, n) that was beyond its limits; they are not enforced."""
     lines = []
-    for number, (leg, q) in enumerate(zip(robot.legs, joints, strict=True), start=1):
+    for number, (leg, q) in enumerate(zip(robot.legs, np.moveaxis(joints, 1, 0), strict=True), start=1):
         for j, joint in enumerate(leg.joints):
             if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
                 was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
@@ -154,18 +155,28 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
 
 def geometry_variables(model: "Model", run: "Run") -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
+    from parflex.model import legs_of
+
     robot, body = model.robot, model.robot.platform
     c = coordinates(run.x, robot.layout)
-    legs = model.legs(unpack(run.x, robot.layout))
-    width = max((q.shape[-1] for q in legs.q), default=0)
-    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in legs.q]
-    paths = leg_paths(assemble(robot, c))
-    joint = np.stack(padded, axis=1) if padded else np.zeros((len(run.t), 0, 0))
+    system = assemble(robot, c)
+    legs, paths = legs_of(robot, system), leg_paths(system)
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
     place = position_in_world(body.attachment_points + bent, c)
     out: Variables = {
-        "joint": (("time", "leg", "joint_number"), joint, "m, rad", "joint positions"),
+        "joint": (
+            ("time", "leg", "joint_number"),
+            side_by_side(legs.q, len(run.t)),
+            "m, rad",
+            "joint positions",
+        ),
+        "joint_rate": (
+            ("time", "leg", "joint_number"),
+            side_by_side(legs.qd, len(run.t)),
+            "m s-1, rad s-1",
+            "joint rates",
+        ),
         "leg_path": (
             ("time", "path", "station", "axis"),
             paths.points,
@@ -219,6 +230,13 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
             "deformation at the platform's origin, in platform axes",
         )
     return out
+
+
+def side_by_side(values: Sequence[Array], count: int) -> Array:
+    """One (T, n_i) per leg as (T, legs, n); not a number where a leg has fewer joints than others."""
+    width = max((q.shape[-1] for q in values), default=0)
+    padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in values]
+    return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
 
 
 def energy_variables(model: "Model", run: "Run") -> Variables:

@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
 from parflex.errors import InputError
@@ -30,10 +31,13 @@ class Result:
         return str(self.dataset.attrs["stopped"])
 
     def state(self, index: int) -> State:
-        """The state at an output time."""
+        """The state at an output time, with the legs' joints."""
         at = self.dataset.isel(time=index)
         names = ("position", "rotation", "twist", "elastic", "elastic_rate")
         arrays: dict[str, Any] = {name: at[name].values for name in names}
+        for name in ("joint", "joint_rate"):
+            if name in at:
+                arrays[f"{name}s"] = tuple(row[np.isfinite(row)] for row in at[name].values)
         return State(**arrays)
 
     def save(self, path: str | os.PathLike[str]) -> Path:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array, Given
 from parflex.body import FlexibleBody
 from parflex.chain import Chain
-from parflex.check import all_of_type, exactly, of_type
+from parflex.check import all_of_type, exactly, of_type, rotation_matrix
 from parflex.errors import InputError
 from parflex.legs import ALL_LEG_TYPES, Leg, LegGroup
 from parflex.legs.base import settled
@@ -41,8 +41,7 @@ class Robot:
         object.__setattr__(self, "legs", all_of_type("Robot.legs", self.legs, Leg))
         of_type("Robot.platform", self.platform, FlexibleBody)
         object.__setattr__(self, "gravity", exactly("Robot.gravity", self.gravity, (3,)))
-        if State(*self.home_pose).batch:
-            raise InputError("Robot.home_pose is a batch; give one position (3,) and rotation (3, 3)")
+        object.__setattr__(self, "home_pose", single_pose("Robot.home_pose", self.home_pose))
         held: dict[int, int] = {}
         count = len(self.platform.attachments)
         for number, leg in enumerate(self.legs):
@@ -124,6 +123,14 @@ class Robot:
         from parflex.redundancy import closure_rows
 
         return closure_rows(self)
+
+
+def single_pose(name: str, given: Any) -> tuple[Array, Array]:
+    """A position (3,) m and a rotation (3, 3)."""
+    if not isinstance(given, (tuple, list)) or len(given) != 2:
+        raise InputError(f"{name} is {type(given).__name__}; give a pair, position (3,) and rotation (3, 3)")
+    rotation = exactly(f"{name}[1]", given[1], (3, 3))
+    return exactly(f"{name}[0]", given[0], (3,)), rotation_matrix(f"{name}[1]", rotation)
 
 
 def alone(number: int, leg: Leg, forces: int, joints: int) -> LegGroup:

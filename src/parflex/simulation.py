@@ -17,7 +17,7 @@ from parflex.legs.base import MARGINS
 from parflex.progress import Progress
 from parflex.record import record
 from parflex.result import Result
-from parflex.singular import check_finite, check_health
+from parflex.singular import check_finite
 from parflex.state import State, Wrench, unpack
 from parflex.wrench import generalised_force
 
@@ -138,7 +138,7 @@ class Closure:
     """The closure of the legs, onto which states are put back in the metric of the robot's mass."""
 
     def __init__(self, model: "Model") -> None:
-        self._robot = model.robot
+        self._model, self._robot = model, model.robot
         self._open = not all(group.closed for group in model.robot.groups)
         if self._open:
             function = model.function(kernels.projection)
@@ -149,12 +149,12 @@ class Closure:
             self._tolerance = CLOSED * size_of(model.robot)
 
     def first(self, x: Array) -> Array:
-        """A start, put on the closure; raises as `singular.check_health` where it is off it."""
+        """A start, put on the closure; raises as `Model.direct` where there is none."""
         y = np.concatenate([x, np.zeros(WORKS)])
         if self._open:
             self._x[:] = x
             self._run()
-            check_health(self._robot, self._health)
+            self._model.check(x, self._health)
         return self.on(y)[:-WORKS]
 
     def on(self, y: Array) -> Array:

@@ -31,8 +31,13 @@ NO_INERTIA = (
 def check_health(robot: Robot, health: Array) -> None:
     """Raise where a state is none: as `check_legs`, and where it is off the closure of the legs."""
     check_legs(robot, health)
+    check_gaps(robot, health)
+
+
+def check_gaps(robot: Robot, health: Array) -> None:
+    """Raise InputError where a tip is not at its attachment, or leaves it."""
     gaps, start = health[..., MARGINS * len(robot.legs) :], 0
-    if gaps.shape[-1] == 0 or np.max(np.abs(gaps)) <= OFF * min(1.0, size_of(robot)):
+    if np.max(np.abs(gaps), initial=0.0) <= OFF * min(1.0, size_of(robot)):
         return
     for group in robot.groups:
         if group.closed:
@@ -61,6 +66,13 @@ def off_closure(carried: bool, leg: int, what: str, gap: float, unit: str, bad: 
         f"attachment, since the legs leave the platform fewer than six freedoms; take the nearest state "
         f"that they allow, model.project(state)"
     )
+
+
+def check_reach(robot: Robot, health: Array) -> None:
+    """Raise OutOfReach where a leg cannot reach its tip; a singular leg is none of its business."""
+    margins = health[..., : MARGINS * len(robot.legs)]
+    if not np.all(split_margins(robot, margins)[0] >= 0):
+        check_legs(robot, health)
 
 
 def check_legs(robot: Robot, health: Array) -> None:

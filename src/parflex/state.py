@@ -182,8 +182,8 @@ def pack(state: State, layout: Layout) -> Array:
         (np.asarray(state.twist), 6),
         (elastic_vector("elastic", state.elastic, modes), modes),
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
-        *carried_vectors("joints", state.joints, layout),
-        *carried_vectors("joint_rates", state.joint_rates, layout),
+        *carried_vectors(state.joints, layout),
+        *carried_vectors(state.joint_rates, layout),
     )
     return np.concatenate([np.broadcast_to(v, batch + (n,)) for v, n in parts], axis=-1)
 
@@ -208,21 +208,12 @@ def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:
     )
 
 
-def carried_vectors(name: str, values: Any, layout: Layout) -> list[tuple[Array, int]]:
+def carried_vectors(values: Any, layout: Layout) -> list[tuple[Array, int]]:
     """Carried joints of each leg, with their number."""
     if values is None:
         return [(np.zeros(layout.carried), layout.carried)]
-    if len(values) != len(layout.joints):
-        raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(layout.joints)} legs")
-    found = []
-    for number, (value, count) in enumerate(zip(values, layout.joints, strict=True)):
-        if count and value is not None and value.shape[-1] != count:
-            raise InputError(
-                f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
-                f"last axis must be {count} long"
-            )
-        found.append((value if count and value is not None else np.zeros(count), count))
-    return found
+    pairs = zip(values, layout.joints, strict=True)
+    return [(value if count and value is not None else np.zeros(count), count) for value, count in pairs]
 
 
 def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:

@@ -10,7 +10,7 @@ from parflex import assembly
 from parflex.array import Array, block_diagonal, join, transpose
 from parflex.assembly import System
 from parflex.errors import InputError, NotConverged
-from parflex.mobility import freed_twist, show
+from parflex.mobility import freed_twist, null_space, show, span
 from parflex.robot import Robot
 from parflex.state import coordinates
 
@@ -66,4 +66,7 @@ def balance(robot: Robot, system: System, flat: Array) -> tuple[Array, Array]:
             f"no actuator forces hold the platform in this pose; nothing carries its weight along the "
             f"twist (v, ω) = {show(freed_twist(robot, flat))}, nearest to a parallel singularity"
         )
-    return solution[: Jt.shape[1]], solution[Jt.shape[1] :]
+    contacts = Jt.shape[1]
+    spare = span(null_space(A)[contacts:])
+    forces = solution[contacts:] - spare.T @ (spare @ solution[contacts:])
+    return np.linalg.lstsq(A[:, :contacts], b - A[:, contacts:] @ forces, rcond=None)[0], forces

@@ -20,7 +20,7 @@ from parflex.compiled import kernels
 from parflex.mobility import null_space
 from parflex.output import Output
 from parflex.robot import Robot
-from parflex.singular import by_rows, gain_ratio, ratio
+from parflex.singular import by_rows, check_gain, gain_ratio, ratio
 from parflex.state import State, coordinates
 
 if TYPE_CHECKING:
@@ -73,9 +73,11 @@ class OutputReport:
 def output_report(model: "Model", state: State, output: Output) -> OutputReport:
     """The report about the equilibrium in the pose of a state."""
     robot = model.robot
-    held, forces = model.static(state.position, state.rotation)
+    held, forces = model.at_rest("state", state)
     x = model.flat(held)
-    flexible, rigid = (by_rows(robot, output, g) for g in model.function(kernels.gains, output)(x))
+    gains = model.function(kernels.gains, output)(x)
+    check_gain(robot, output, x, *gains)
+    flexible, rigid = (by_rows(robot, output, g) for g in gains)
     return OutputReport(
         held,
         forces,

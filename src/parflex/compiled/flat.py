@@ -43,10 +43,15 @@ class Compiled:
         self._inverse: dict[Key, Bound] = {}
 
     def pack(self, state: State) -> Array:
-        """The flat state (state_size,) of one state."""
+        """The flat state (state_size,) of one state.
+
+        Raises OutOfReach where no joints are found for a leg whose joints it carries.
+        """
         x = self.model.flat(state)
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
+        if self.model.robot.layout.carried:
+            self.model.legs(state)
         return x
 
     def unpack(self, x: Array) -> State:

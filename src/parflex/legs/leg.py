@@ -1,6 +1,7 @@
 """What a leg is: its table, its tips, and where it stands."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -58,6 +59,8 @@ class Joint:
             if getattr(self, name) < 0:
                 raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
         object.__setattr__(self, "v_s", positive("Joint.v_s", self.v_s))
+        for name in ("q_min", "q_max"):
+            object.__setattr__(self, name, limit(f"Joint.{name}", getattr(self, name)))
         if not self.q_min < self.q_max:
             raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
         object.__setattr__(self, "MS", exactly("Joint.MS", self.MS, (3,)))
@@ -139,6 +142,12 @@ class Leg:
     def word(self) -> str:
         """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'."""
         return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints)
+
+
+def limit(name: str, value: Any) -> float:
+    """One number, which may be infinite."""
+    endless = isinstance(value, (float, np.floating)) and np.isinf(value)
+    return float(value) if endless else scalar(name, value)
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:
