@@ -266,7 +266,7 @@ def frame_axes(ax: Any, points: Array) -> None:
     pad = 0.05 * np.max(high - low)
     low, high = low - pad, high + pad
     ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
-    ax.set_box_aspect(high - low, zoom=1.05)
+    ax.set_box_aspect(high - low, zoom=0.92)
     ax.set(xlabel="x (m)", ylabel="y (m)", zlabel="z (m)")
     ax.view_init(elev=24, azim=-62)
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
