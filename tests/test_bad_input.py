@@ -119,8 +119,8 @@ CASES = {
     ),
     "unknown frequencies": (lambda: pf.robots.gough_stewart(frequencies="measured"), "'measured'"),
     "unknown backend": (
-        lambda: pf.Model(pf.robots.gough_stewart(0), "native"),
-        """backend is 'native'; this version has "numpy", "vm" and "auto" """.strip(),
+        lambda: pf.Model(pf.robots.gough_stewart(0), "fortran"),
+        """backend is .fortran.; this version has "numpy", "vm", "native" and "auto" """.strip(),
     ),
     "output of seven": (lambda: pf.FrameOutput((0, 6)), "FrameOutput.rows"),
     "frame of nowhere": (lambda: pf.Wrench(0, frame="moon"), "Wrench.frame is 'moon'"),

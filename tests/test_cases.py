@@ -343,7 +343,7 @@ def test_carried_joints(which, rewriting):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_run_of_carried_legs(name):
-    """A tenth of the stored run of the rigid robot, with joints that are integrated and projected."""
+    """The first 0.1 s of the stored run of the rigid robot, with joints that are integrated and projected."""
     stored = {k: v[:21] for k, v in cases.trajectory(name, "rigid").items() if np.ndim(v) and len(v) == 101}
     sample = carried(name, "rigid", reframed)
     posture = [np.asarray(leg.posture) for leg in sample.legs]

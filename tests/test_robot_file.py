@@ -336,7 +336,9 @@ def test_expected_mobility(tmp_path):
     text = path.read_text(encoding="utf-8")
     assert pf.load_robot(path).legs
     number = 1 + text[: text.index("mobility = 6")].count("\n")
-    with pytest.raises(pf.InputError, match=rf"robot.toml:{number}: mobility: it is 3, but .* 6 freedoms"):
+    with pytest.raises(
+        pf.InputError, match=rf"robot.toml:{number}: mobility: you expect 3, but .* 6 freedoms"
+    ):
         pf.load_robot(written(tmp_path, text.replace("mobility = 6", "mobility = 3")))
     with pytest.raises(pf.InputError, match=rf":{number}: .* 6 freedoms at home, but only 0 joints"):
         pf.load_robot(written(tmp_path, text.replace("actuated = true", "actuated = false")))

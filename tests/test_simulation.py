@@ -120,7 +120,7 @@ def test_saved_result_comes_back(held, tmp_path):
     assert back.dataset.attrs["integrator"] == "DOP853"
     with netCDF4.Dataset(path) as file:
         assert file.data_model == "NETCDF4"
-        assert file["forces"].units == "N, N m"
+        assert file["forces"].units == "N"
         assert np.array_equal(file["position"][:], held.dataset.position)
     with xr.open_dataset(path) as plain:
         assert plain.sizes["time"] == len(TIMES)

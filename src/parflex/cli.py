@@ -201,6 +201,9 @@ def is_paper_plate(corner: list[str] | None, *values: float) -> bool:
 def run() -> None:
     """Entry point: errors of input end in one sentence, without a traceback."""
     warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")  # printed as a note
+    warnings.showwarning = lambda message, *_, **__: complaints.print(
+        "[yellow]warning[/]", escape(str(message))
+    )
     try:
         app()
     except InputError as error:

@@ -72,8 +72,10 @@ def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None
         system = assemble(robot, coordinates(x, robot.layout))
     for leg in system.legs:
         for place, number in enumerate(leg.group.legs):
-            given = None if leg.group.type.carries else joints[number]
-            for j in range(0 if given is None else leg.group.chain.n):
+            given = joints[number]
+            if given is None or leg.group.type.carries:
+                continue
+            for j in range(leg.group.chain.n):
                 turn = np.abs(within_half_a_turn(joint_position(leg, j)[..., place] - given[..., j]))
                 if leg.group.chain.sigma[j] == 0 and np.any(turn > OTHER_BRANCH):
                     raise InputError(

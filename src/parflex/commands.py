@@ -88,6 +88,8 @@ def simulate(
     step(start, "drawing the pictures")
     pictures = flight.figures(done, out, image)
     console.print(summary(done.result))
+    for line in str(done.result.dataset.attrs["beyond_limits"]).splitlines():
+        console.print(f"[yellow]note[/] {line}")
     names = ", ".join(path.name for path in pictures)
     console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
     if done.result.partial:

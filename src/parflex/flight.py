@@ -11,7 +11,7 @@ from parflex.files.trajectory_file import Plan, controller_of, start_of, traject
 from parflex.model import Model
 from parflex.result import Result
 from parflex.simulation import simulate
-from parflex.sketch import instant_of_largest_bend, sketch
+from parflex.sketch import instant_of_largest_bend, sketch_of
 
 
 class Flight(NamedTuple):
@@ -49,7 +49,7 @@ def figures(flight: Flight, directory: Path, suffix: str = "png") -> list[Path]:
     index = instant_of_largest_bend(result)
     when = f"t = {float(result.dataset['time'][index]):.2f} s"
     drawn = {
-        "robot": plot.robot_at(sketch(flight.model, result.state(index)), when),
+        "robot": plot.robot_at(sketch_of(result, index), when),
         "forces": plot.actuator_forces(result),
         "energy": plot.energy(result),
     }

@@ -80,7 +80,8 @@ def span(values: Array) -> str:
 
 def shown(joint: Joint, value: float) -> str:
     """A joint value in degrees, or in metres."""
-    return f"{value:.4g} m" if joint.sigma else f"{np.degrees(value):.4g} deg"
+    number, unit = (value, "m") if joint.sigma else (np.degrees(value), "deg")
+    return f"{round(float(number), 9) + 0.0:.4g} {unit}"
 
 
 def vector(values: ArrayLike) -> str:

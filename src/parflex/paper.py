@@ -11,9 +11,9 @@ from parflex.model import Model
 from parflex.modes import Modes
 from parflex.result import Result
 from parflex.robot import Robot
-from parflex.robots.gough_stewart import TABLE_2, gough_stewart, held, plate
+from parflex.robots.gough_stewart import MOVES, TABLE_2, gough_stewart, held, plate
 from parflex.simulation import simulate
-from parflex.sketch import instant_of_largest_bend
+from parflex.sketch import instant_of_largest_bend, sketch_of
 from parflex.state import State
 from parflex.trajectory import Trajectory
 
@@ -21,13 +21,6 @@ SAMPLE_TIME = 5e-3  # s between output times
 RTOL, ATOL = 1e-7, 1e-9
 MAX_STEP = 0.02  # s, so that the rigid robot, which allows long steps, keeps to 1e-7 m too
 
-# Displacements (m) and rotation vectors (rad) from home; the paper prints none. In mixed
-# directions, so that every actuator and every mode has work to do.
-MOVES = (
-    ((0.10, -0.08, 0.06), (0.10, 0.05, -0.08)),
-    ((-0.10, 0.10, 0.08), (-0.10, 0.10, 0.10)),
-    ((0.08, 0.10, -0.10), (0.08, -0.10, 0.10)),
-)
 MOVE_TIME = 1.25  # s
 REST = (0.5, 0.5)  # s, the rest periods at both ends
 
@@ -93,13 +86,14 @@ def figures(paper: PaperRun, directory: Path, suffix: str = "png") -> list[Path]
 
     result, modes = paper.result, paper.modes
     notes = str(result.dataset.attrs["notes"]).splitlines()
+    index = instant_of_largest_bend(result)
     drawn = {
         "fig4_actuator_forces": plot.actuator_forces(result),
         "fig5_accelerations": plot.accelerations(result),
         "fig6_origin_deformation": plot.origin_deformation(result),
         "fig7_attachment_deformation": plot.attachment_deformation(result),
         "energy": plot.energy(result),
-        "robot": plot.robot(result, index=instant_of_largest_bend(result)),
+        "robot": plot.robot_at(sketch_of(result, index), f"t = {float(result.dataset.time[index]):.2f} s"),
     }
     if len(modes.frequencies):
         drawn["modes"] = plot.mode_shapes(modes)

@@ -54,11 +54,11 @@ def actuator_forces(result: Result) -> Figure:
     fig = figure(7.0, 3.4)
     ax = fig.subplots()
     data = result.dataset["forces"]
-    curves(ax, data, "actuator", [f"leg {i}" for i in data["actuator"].values])
-    ax.set_ylabel("actuator force (N)")
+    curves(ax, data, "actuator", list(data["actuator_name"].values))
+    ax.set_ylabel(f"actuator force ({data.attrs['units']})")
     time_label(ax)
     legend_right(ax)
-    ax.set_title("Actuated prismatic joint forces")
+    ax.set_title("Actuator forces")
     return fig
 
 
@@ -216,41 +216,17 @@ def frequency_table(computed: Array, published: Array, notes: list[str]) -> Figu
     return fig
 
 
-def robot(result: Result, index: int = 0, scale: float | None = None) -> Figure:
-    """The robot at one output time, the bent plate coloured by its deflection.
-
-    scale exaggerates the deformation; by default the largest becomes 8 % of the platform's size.
-    """
-    at = result.dataset.isel(time=index)
-    nodes, p = at["platform_node"].values, at["position"].values
-    R = at["rotation"].values
-    bend = np.einsum("n,nka->ka", at["elastic"].values, at["platform_shape"].values)
-    size, largest = np.max(np.ptp(nodes, axis=0)), np.max(np.linalg.norm(bend, axis=1), initial=0.0)
-    if scale is None:
-        scale = float(0.08 * size / largest) if largest > 1e-12 else 1.0
-    world = p + (nodes + scale * bend) @ R.T
-    fig = figure(6.4, 4.8)
-    ax: Any = fig.add_subplot(projection="3d", computed_zorder=False)
-    draw_legs(ax, at, R, scale)  # first: seen from above, the platform hides what is below it
-    triangles = at["platform_triangle"].values if "platform_triangle" in at else None
-    draw_platform(fig, ax, triangles, world, bend)
-    corners = np.vstack([world, at["leg_origin"].values])
-    frame_axes(ax, corners)
-    words = f"t = {float(at['time']):.2f} s, deformation × {scale:.0f}" if largest > 0 else "rigid platform"
-    ax.set_title(words, fontsize=9, y=0.98)
-    return fig
-
-
 def robot_at(sketch: Sketch, title: str = "") -> Figure:
     """The robot at one state, of legs of any kind, its platform coloured by its deflection."""
     fig = figure(6.4, 4.8)
     ax: Any = fig.add_subplot(projection="3d", computed_zorder=False)
     lines = Line3DCollection(list(sketch.lines), colors="0.45", linewidths=3, zorder=1)
     ax.add_collection3d(lines)
-    for number, line in zip(sketch.legs, sketch.lines, strict=True):
+    for leg, line in dict(zip(sketch.legs, sketch.lines, strict=True)).items():
         ax.scatter(*line[0], s=28, color="0.15", marker="s", depthshade=False, zorder=1)
-        ax.scatter(*line[1:].T, s=12, color="0.25", depthshade=False, zorder=1)
-        ax.text(*line[0], f" {number}", fontsize=8, va="top", zorder=3)
+        ax.text(*line[0], f" {leg}", fontsize=8, va="top", zorder=3)
+    if len(sketch.lines):
+        ax.scatter(*sketch.lines[:, 1:].reshape(-1, 3).T, s=12, color="0.25", depthshade=False, zorder=1)
     if len(sketch.motors):
         ax.scatter(*sketch.motors.T, s=26, color=COLOURS[1], depthshade=False, zorder=3, label="motor")
         ax.legend(loc="upper left", frameon=False, fontsize=8)
@@ -259,7 +235,7 @@ def robot_at(sketch: Sketch, title: str = "") -> Figure:
         ax.plot(
             *np.vstack([sketch.attachments, sketch.attachments[:1]]).T, color=COLOURS[0], lw=1.5, zorder=2
         )
-    frame_axes(ax, np.vstack([*sketch.lines, sketch.nodes]))
+    frame_axes(ax, np.vstack([sketch.lines.reshape(-1, 3), sketch.nodes]))
     bent = f"deformation × {sketch.scale:.0f}" if sketch.bend.any() else ""
     ax.set_title(", ".join(filter(None, (title, bent))), fontsize=9, y=0.98)
     return fig
@@ -282,26 +258,6 @@ def draw_platform(fig: Figure, ax: Any, triangles: Array | None, world: Array, b
     surface.set_array(deflection)
     bar = fig.colorbar(surface, ax=ax, shrink=0.6, pad=0.08)
     bar.set_label("deflection along $z_p$ (mm)", fontsize=8)
-
-
-def draw_legs(ax: Any, at: xr.Dataset, R: Array, scale: float) -> None:
-    """Straight legs from base to attachment, and the base points."""
-    if at.sizes["leg"] == 0:
-        return
-    undrawn = at["attachment_position"].values
-    extra = (scale - 1.0) * at["attachment_deformation"].values @ R.T
-    tips = (undrawn + extra)[at["leg_attachment"].values - 1]
-    origins = at["leg_origin"].values
-    middle = origins + 0.55 * (tips - origins)
-    ax.add_collection3d(
-        Line3DCollection(np.stack([origins, middle], 1), colors="0.35", linewidths=4, zorder=1)
-    )
-    ax.add_collection3d(Line3DCollection(np.stack([middle, tips], 1), colors="0.6", linewidths=2, zorder=1))
-    ax.scatter(*origins.T, s=28, color="0.15", marker="s", depthshade=False, zorder=1)
-    ax.scatter(*tips.T, s=18, color="0.1", depthshade=False, zorder=3)
-    for i, (origin, tip) in enumerate(zip(origins, tips, strict=True), start=1):
-        ax.text(*origin - [0, 0, 0.07], f"$b_{{{i}}}$", fontsize=8, ha="center", va="top", zorder=3)
-        ax.text(*tip + [0, 0, 0.05], f"$p_{{{i}}}$", fontsize=8, ha="center", zorder=3)
 
 
 def frame_axes(ax: Any, points: Array) -> None:

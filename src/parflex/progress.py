@@ -2,10 +2,30 @@
 
 import sys
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from threading import Timer
 from types import TracebackType
 from typing import Any
 
 PATIENCE = 2.0  # s
+
+
+@contextmanager
+def waiting(what: str) -> Iterator[None]:
+    """Say what is being done where it takes longer than a second; silent where nobody looks."""
+
+    def say() -> None:
+        print(f"{what} …", file=sys.stderr, flush=True)
+
+    timer = Timer(1.0, say)
+    timer.daemon = True
+    if sys.stderr.isatty():
+        timer.start()
+    try:
+        yield
+    finally:
+        timer.cancel()
 
 
 class Progress:

@@ -13,6 +13,8 @@ from parflex.body import FlexibleBody
 from parflex.energy import energies
 from parflex.kinematics import position_in_world
 from parflex.result import FORMAT, Result
+from parflex.robot import Robot
+from parflex.sketch import leg_paths
 from parflex.state import Layout, coordinates
 from parflex.trajectory import Trajectory
 
@@ -50,10 +52,39 @@ def record(
         "parflex_version": parflex.__version__,
         "backend": model.backend.version(),
         "gravity": np.asarray(robot.gravity),
+        "beyond_limits": beyond_limits(robot, found["joint"][1]),
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",
         **settings,
     }
-    return Result(dataset_of(found, run.t, body, attributes))
+    dataset = dataset_of(found, run.t, body, attributes)
+    return Result(dataset.assign_coords(actuator_name=("actuator", actuator_names(robot))))
+
+
+def actuator_names(robot: Robot) -> list[str]:
+    """What the actuators are called: by leg, and by joint where a leg has several."""
+    names = []
+    for number, leg in enumerate(robot.legs, start=1):
+        driven = [j for j, joint in enumerate(leg.joints, start=1) if joint.mu]
+        names += [f"leg {number}" + f", joint {j}" * (len(driven) > 1) for j in driven]
+    return names
+
+
+def actuator_units(robot: Robot) -> str:
+    """Of the actuators' forces: N, N m, or both where sliders and motors are mixed."""
+    kinds = {joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu}
+    return ", ".join(unit for sigma, unit in ((1, "N"), (0, "N m")) if sigma in kinds) or "N"
+
+
+def beyond_limits(robot: Robot, joints: Array) -> str:
+    """A line for each joint of (T, legs, n) that was beyond its limits; they are not enforced."""
+    lines = []
+    for number, leg in enumerate(robot.legs, start=1):
+        q = joints[:, number - 1]
+        for j, joint in enumerate(leg.joints):
+            if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
+                was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
+                lines.append(f"{was}, beyond its limits {joint.q_min:.4g} … {joint.q_max:.4g}")
+    return "\n".join(lines)
 
 
 def dataset_of(found: Variables, t: Array, body: FlexibleBody, attributes: dict[str, Any]) -> xr.Dataset:
@@ -106,7 +137,7 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
     direct = NumpyFunction(kernels.direct(model.robot))  # for one batch, tracing would cost more
     Vd, qdd_e, f, _ = direct(run.x, u, w)
     return {
-        "forces": (("time", "actuator"), u, "N, N m", "actuator forces"),
+        "forces": (("time", "actuator"), u, actuator_units(model.robot), "actuator forces"),
         "acceleration": (
             ("time", "component"),
             Vd,
@@ -129,7 +160,8 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
 
     robot, body = model.robot, model.robot.platform
     c = coordinates(run.x, robot.layout)
-    legs = legs_of(robot, assemble(robot, c))
+    system = assemble(robot, c)
+    legs, paths = legs_of(robot, system), leg_paths(system)
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
     place = position_in_world(body.attachment_points + bent, c)
@@ -146,17 +178,24 @@ def geometry_variables(model: "Model", run: "Run") -> Variables:
             "m s-1, rad s-1",
             "joint rates",
         ),
-        "leg_origin": (
-            ("leg", "axis"),
-            np.array([leg.origin for leg in robot.legs]).reshape(-1, 3),
+        "leg_path": (
+            ("time", "path", "station", "axis"),
+            paths.points,
             "m",
-            "base point of the leg in the world",
+            "points of the legs in the world, from base through the joints to a tip",
         ),
-        "leg_attachment": (
-            ("leg",),
-            np.array([leg.tips[0].attachment + 1 for leg in robot.legs], dtype=int),
+        "path_leg": (("path",), np.array(paths.legs, dtype=int) + 1, "1", "leg of the path"),
+        "path_attachment": (
+            ("path",),
+            np.array(paths.attachments, dtype=int) + 1,
             "1",
-            "attachment that the leg's first tip holds",
+            "attachment where the path ends",
+        ),
+        "motor_position": (
+            ("time", "motor", "axis"),
+            paths.motors,
+            "m",
+            "actuated joints in the world, those of equal legs side by side",
         ),
         "attachment_position": (
             ("time", "attachment", "axis"),

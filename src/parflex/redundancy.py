@@ -65,13 +65,14 @@ def generic_matrices(robot: Robot) -> list[Array]:
 
 def independent(G: Array) -> Array:
     """Numbers of a largest set of independent rows, in order: pivoted Gram–Schmidt, twice over."""
-    left, chosen = G.copy(), []
+    left = G.copy()
+    chosen: list[int] = []
     basis = np.zeros((0, G.shape[1]))
     while True:
         lengths = np.linalg.norm(left, axis=1)
         best = int(np.argmax(lengths))
         if lengths[best] < DEPENDENT or len(chosen) == len(G):
-            return np.sort(np.array(chosen, dtype=int))
+            return np.array(sorted(chosen), dtype=int)
         chosen.append(best)
         unit = left[best] / lengths[best]
         unit = unit - basis.T @ mv(basis, unit)

@@ -1,7 +1,6 @@
 """A robot: a fixed base, legs, a flexible platform, gravity."""
 
 import os
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -170,18 +169,15 @@ def side_by_side(groups: list[LegGroup]) -> LegGroup:
     if len(groups) == 1:
         return first
 
-    def tables(of: Callable[[LegGroup], Any]) -> dict[str, Any]:
-        arrays = [field for field, value in vars_of(of(first)).items() if isinstance(value, np.ndarray)]
-        return {field: np.concatenate([getattr(of(g), field) for g in groups]) for field in arrays}
+    def together(parts: list[Any]) -> dict[str, Any]:
+        fields = parts[0]._asdict() if isinstance(parts[0], LegGroup) else vars(parts[0])
+        arrays = [name for name, value in fields.items() if isinstance(value, np.ndarray)]
+        return {name: np.concatenate([getattr(part, name) for part in parts]) for name in arrays}
 
-    chain = replace(first.chain, **tables(lambda group: group.chain))
+    chain = replace(first.chain, **together([group.chain for group in groups]))
     legs = tuple(number for group in groups for number in group.legs)
-    return first._replace(legs=legs, **{**tables(lambda group: group), "chain": chain})
-
-
-def vars_of(tables: Any) -> dict[str, Any]:
-    """Fields of a named tuple or dataclass."""
-    return tables._asdict() if isinstance(tables, tuple) else vars(tables)
+    same: dict[str, Any] = {**together(groups), "chain": chain, "legs": legs}
+    return first._replace(**same)
 
 
 def chain_of(leg: Leg) -> Chain:

@@ -1,11 +1,11 @@
-"""The robot at one state as points and lines, ready to be drawn."""
+"""The robot at one state as points and lines, ready to be drawn: from a model, or from a result."""
 
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from parflex.array import Array, mv
-from parflex.assembly import LegTerms, assemble
+from parflex.assembly import LegTerms, System, assemble
 from parflex.chain import tip_position
 from parflex.kinematics import position_in_world
 from parflex.state import State, coordinates
@@ -17,12 +17,21 @@ if TYPE_CHECKING:
 SHOWN = 0.08  # of the platform's size: the largest deformation, as drawn
 
 
+class Paths(NamedTuple):
+    """The legs as lines in the world, m: from the base through the joints to each tip."""
+
+    points: Array  # (…, lines, n, 3), shorter lines end with their last point again
+    legs: tuple[int, ...]  # of each line
+    attachments: tuple[int, ...]
+    motors: Array  # (…, motors, 3), where the actuated joints are
+
+
 class Sketch(NamedTuple):
     """Points in the world, m."""
 
-    lines: tuple[Array, ...]  # (n, 3) from a leg's base through the joints to a tip
-    legs: tuple[int, ...]  # the leg of each line
-    motors: Array  # (m, 3) where the actuated joints are
+    lines: Array  # (lines, n, 3)
+    legs: Array  # (lines,), the number of each line's leg, from 1
+    motors: Array  # (m, 3)
     nodes: Array  # (K, 3) of the platform, its deformation times `scale`
     bend: Array  # (K, 3) the deformation itself, in platform axes
     triangles: Array | None  # (T, 3)
@@ -39,35 +48,61 @@ def sketch(model: "Model", state: State, scale: float | None = None) -> Sketch:
     model.legs(state)
     body = model.robot.platform
     x = coordinates(model.flat(state), model.robot.layout)
+    paths = leg_paths(assemble(model.robot, x))
     bend = np.einsum("n,nka->ka", x.elastic, body.shapes)
     scale = drawn_scale(body.nodes, bend) if scale is None else scale
     nodes = position_in_world(body.nodes + scale * bend, x)
     attachments = nodes[list(body.attachments)]
-    lines, legs, motors = [], [], [np.zeros((0, 3))]
-    for leg in assemble(model.robot, x).legs:
-        lines += leg_lines(leg, attachments)
-        legs += list(leg.group.legs) * len(leg.group.tip_frames)
-        motors += [in_world(leg, motor_place(leg, j)) for j in leg.group.actuated]
-    actuated = np.concatenate(motors)
-    return Sketch(tuple(lines), tuple(legs), actuated, nodes, bend, body.triangles, attachments, scale)
+    lines = stretched(paths.points, attachments[list(paths.attachments)])
+    legs = np.array(paths.legs, dtype=int) + 1
+    return Sketch(lines, legs, paths.motors, nodes, bend, body.triangles, attachments, scale)
 
 
-def leg_lines(leg: LegTerms, attachments: Array) -> list[Array]:
-    """For each tip of the legs of a group, the line from the base to the attachment as drawn."""
+def sketch_of(result: "Result", index: int = 0, scale: float | None = None) -> Sketch:
+    """The robot at an output time of a result; scale as in `sketch`."""
+    at = result.dataset.isel(time=index)
+    R, nodes = at["rotation"].values, at["platform_node"].values
+    bend = np.einsum("n,nka->ka", at["elastic"].values, at["platform_shape"].values)
+    scale = drawn_scale(nodes, bend) if scale is None else scale
+    more = (scale - 1.0) * at["attachment_deformation"].values @ R.T
+    attachments = at["attachment_position"].values + more
+    lines = stretched(at["leg_path"].values, attachments[at["path_attachment"].values - 1])
+    triangles = at["platform_triangle"].values if "platform_triangle" in at else None
+    world = at["position"].values + (nodes + scale * bend) @ R.T
+    legs, motors = at["path_leg"].values, at["motor_position"].values
+    return Sketch(lines, legs, motors, world, bend, triangles, attachments, scale)
+
+
+def leg_paths(system: System) -> Paths:
+    """The legs of a robot at a state, or at a batch of them."""
     lines: list[Array] = []
-    for t, j in enumerate(leg.group.tip_frames):
-        joints = [leg.frames.p_0j[k] for k in leg.group.chain.path(j)]
-        tip = tip_position(leg.frames, j, leg.group.offsets[:, t])
-        points = np.stack([in_world(leg, p) for p in (np.zeros(3), *joints, tip)], axis=1)
-        drawn = attachments[leg.group.attachments[:, t]]
-        lines += [stretched(line, end) for line, end in zip(points, drawn, strict=True)]
-    return lines
+    legs: list[int] = []
+    held: list[int] = []
+    motors: list[Array] = []
+    for leg in system.legs:
+        chain = leg.group.chain
+        for t, j in enumerate(leg.group.tip_frames):
+            tip = tip_position(leg.frames, j, leg.group.offsets[:, t])
+            stations = [np.zeros(3), *(leg.frames.p_0j[k] for k in chain.path(j)), tip]
+            lines.append(np.stack([in_world(leg, p) for p in stations], axis=-2))
+            legs += leg.group.legs
+            held += list(leg.group.attachments[:, t])
+        motors += [in_world(leg, motor_place(leg, j)) for j in leg.group.actuated]
+    batch = system.x.position.shape[:-1]
+    longest = max((line.shape[-2] for line in lines), default=0)
+    padded = [line[..., np.minimum(np.arange(longest), line.shape[-2] - 1), :] for line in lines]
+    none = np.zeros((*batch, 0, longest, 3))
+    points = np.concatenate([none, *padded], axis=-3)
+    places = np.concatenate([np.zeros((*batch, 0, 3)), *motors], axis=-2)
+    return Paths(points, tuple(legs), tuple(int(a) for a in held), places)
 
 
-def stretched(line: Array, end: Array) -> Array:
-    """The line (n, 3), moved in proportion to the way along it so that it ends at `end`."""
-    way = np.cumsum(np.linalg.norm(np.diff(line, axis=0, prepend=line[:1]), axis=1))
-    return line + (way / (way[-1] or 1.0))[:, None] * (end - line[-1])
+def stretched(lines: Array, ends: Array) -> Array:
+    """Lines (l, n, 3), moved in proportion to the way along them so that they end at (l, 3)."""
+    steps = np.linalg.norm(np.diff(lines, axis=-2, prepend=lines[:, :1]), axis=-1)
+    way = np.cumsum(steps, axis=-1)
+    part = way / np.maximum(way[:, -1:], 1e-300)
+    return lines + part[..., None] * (ends - lines[:, -1])[:, None]
 
 
 def motor_place(leg: LegTerms, j: int) -> Array:
@@ -78,8 +113,9 @@ def motor_place(leg: LegTerms, j: int) -> Array:
 
 
 def in_world(leg: LegTerms, p: Array) -> Array:
-    """Points (L, 3) of the legs' base frames in the world."""
-    return leg.group.origin + mv(leg.group.rotation, np.broadcast_to(p, leg.group.origin.shape))
+    """Points (…, L, 3) of the legs' base frames in the world."""
+    shape = leg.qd.shape[:-1] + (3,)
+    return leg.group.origin + mv(leg.group.rotation, np.broadcast_to(p, shape))
 
 
 def drawn_scale(nodes: Array, bend: Array) -> float:

@@ -193,8 +193,8 @@ def unpack(x: Array, layout: Layout) -> State:
     flat = finite("x", x, (layout.size,))
     if np.any(np.sum(flat[..., 3:7] ** 2, axis=-1) == 0):
         raise InputError("x holds a quaternion of length zero at 3 … 6; it must be a rotation (w, x, y, z)")
-    *platform, q, qd = coordinates(flat, layout)
-    return State(*platform, by_leg(q, layout), by_leg(qd, layout))
+    c = coordinates(flat, layout)
+    return State(*c[:5], joints=by_leg(c.q, layout), joint_rates=by_leg(c.qd, layout))
 
 
 def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:

@@ -18,7 +18,13 @@ def _vm() -> Backend:
     return VmBackend()
 
 
-ALL_BACKENDS: dict[str, Callable[[], Backend]] = {"numpy": _numpy, "vm": _vm}
+def _native() -> Backend:
+    from parflex.compiled.native import NativeBackend
+
+    return NativeBackend()
+
+
+ALL_BACKENDS: dict[str, Callable[[], Backend]] = {"numpy": _numpy, "vm": _vm, "native": _native}
 
 
 def choose(name: str) -> Backend:
@@ -27,11 +33,21 @@ def choose(name: str) -> Backend:
     Raises InputError for an unknown name.
     """
     if name == "auto":
-        return list(ALL_BACKENDS.values())[-1]()
+        return fastest()
     if name not in ALL_BACKENDS:
         known = ", ".join(f'"{known}"' for known in ALL_BACKENDS)
         raise InputError(f'backend is {name!r}; this version has {known} and "auto" (the fastest)')
     return ALL_BACKENDS[name]()
+
+
+def fastest() -> Backend:
+    """The fastest backend that this machine has."""
+    for make in reversed(ALL_BACKENDS.values()):
+        try:
+            return make()
+        except (ImportError, OSError, RuntimeError):  # a package or a processor that LLVM does not serve
+            continue
+    raise AssertionError("NumPy is always there")
 
 
 __all__ = ["ALL_BACKENDS", "Backend", "choose"]

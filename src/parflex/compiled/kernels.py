@@ -6,11 +6,13 @@ assembles legs ends with their `health`, from which the doors tell a state that 
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from parflex import assembly, chain, dynamics
 from parflex.array import Array, cross, dot, join, merged, mtv, mv, stack, transpose
+from parflex.closure import flat_state
 from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
@@ -20,12 +22,24 @@ from parflex.state import coordinates
 
 @dataclass(frozen=True)
 class Kernel:
-    """A function of flat vectors (…, n_i), with the sizes of its inputs and outputs."""
+    """A function of flat vectors (…, n_i), with the sizes of its inputs and outputs.
+
+    It is determined by its name and its subject, a robot and what else was chosen; the first input
+    is a flat state of the robot.
+    """
 
     name: str
     function: Callable[..., tuple[Array, ...]]
     inputs: tuple[int, ...]
     outputs: tuple[int, ...]
+    subject: tuple[Any, ...]
+
+    def probe(self, count: int) -> list[Array]:
+        """Inputs (count, n_i) near home, in motion, to try an implementation on."""
+        rng, robot = np.random.default_rng(0), self.subject[0]
+        home = flat_state(robot, robot.home)
+        x = home + np.where(np.arange(len(home)) < 7, 0.0, 1e-3) * rng.normal(size=(count, len(home)))
+        return [x, *(rng.normal(size=(count, n)) for n in self.inputs[1:])]
 
 
 def assembled(robot: Robot, x: Array) -> assembly.System:
@@ -41,7 +55,7 @@ def direct(robot: Robot) -> Kernel:
         system = assembled(robot, x)
         return (*dynamics.direct_of(robot, system, u, w), assembly.health(system))
 
-    return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)))
+    return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)), (robot,))
 
 
 def inverse(robot: Robot, output: Output) -> Kernel:
@@ -58,6 +72,7 @@ def inverse(robot: Robot, output: Output) -> Kernel:
         function,
         (n, output.size, 6 + N, m),
         (m, 6, N, k, output.size * m, assembly.health_size(robot)),
+        (robot, output),
     )
 
 
@@ -69,7 +84,7 @@ def gains(robot: Robot, output: Output) -> Kernel:
         flexible, rigid = dynamics.gains(robot, assembled(robot, x), output)
         return merged(flexible), merged(rigid)
 
-    return Kernel("gains", function, (n,), (output.size * m, output.size * m))
+    return Kernel("gains", function, (n,), (output.size * m, output.size * m), (robot, output))
 
 
 def contact_matrix(robot: Robot) -> Kernel:
@@ -81,7 +96,7 @@ def contact_matrix(robot: Robot) -> Kernel:
         C = dynamics.contact_system(robot, assembled(robot, x), np.zeros(6 + N)).C
         return (merged(C[..., kept, :][..., kept]),)
 
-    return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,))
+    return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,), (robot,))
 
 
 def derivative(robot: Robot) -> Kernel:
@@ -91,7 +106,7 @@ def derivative(robot: Robot) -> Kernel:
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
         return rate_of(robot, assembled(robot, x), x, u, w)
 
-    return Kernel("derivative", function, (n, m, 6 + N), rate_sizes(robot))
+    return Kernel("derivative", function, (n, m, 6 + N), rate_sizes(robot), (robot,))
 
 
 def tracking(robot: Robot, output: Output) -> Kernel:
@@ -119,7 +134,7 @@ def tracking(robot: Robot, output: Output) -> Kernel:
         found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output, preload)
         return (found.forces, *rate_of(robot, system, x, found.forces, w))
 
-    return Kernel("tracking", function, (n, 24, 12, 6 + N, m), (m, *rate_sizes(robot)))
+    return Kernel("tracking", function, (n, 24, 12, 6 + N, m), (m, *rate_sizes(robot)), (robot, output))
 
 
 def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
@@ -169,7 +184,7 @@ def projection(robot: Robot) -> Kernel:
         moved = [place, turned, c.twist + pose[..., 1], c.elastic + bend[..., 0], *rates]
         return join(moved), assembly.health(system)
 
-    return Kernel("projection", function, (n,), (n, assembly.health_size(robot)))
+    return Kernel("projection", function, (n,), (n, assembly.health_size(robot)), (robot,))
 
 
 def actuators(robot: Robot) -> Kernel:
@@ -180,7 +195,7 @@ def actuators(robot: Robot) -> Kernel:
         system = assembled(robot, x)
         return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
 
-    return Kernel("actuators", function, (n,), (m, m))
+    return Kernel("actuators", function, (n,), (m, m), (robot,))
 
 
 def sizes(robot: Robot) -> tuple[int, int, int, int]:

@@ -12,6 +12,7 @@ from parflex.errors import InputError
 from parflex.legs import Joint, Leg, Tip
 from parflex.modes import Modes
 from parflex.robot import Robot
+from parflex.robots.entry import Entry
 from parflex.spatial import rotation_about_z
 
 # Table 1: sigma, mu, alpha (rad) of joints 1, 2, 3; b = theta = r = 0 and gamma = d = 0 but for
@@ -68,6 +69,16 @@ SIDE = 0.5
 PLATE: dict[str, Any] = {"thickness": 15e-3, "young": 2e10, "poisson": 0.3, "density": 7.5e3}
 
 HOME = (0.25, 0.25 * np.sqrt(3.0), 1.0)
+
+SOURCE = "the paper, Tables 1 to 4"
+
+OUTPUT = (0, 1, 2, 3, 4, 5)
+# The paper prints no motion. In mixed directions, so that every actuator and every mode has work to do.
+MOVES = (
+    ((0.10, -0.08, 0.06), (0.10, 0.05, -0.08)),
+    ((-0.10, 0.10, 0.08), (-0.10, 0.10, 0.10)),
+    ((0.08, 0.10, -0.10), (0.08, -0.10, 0.10)),
+)
 
 
 def corners() -> Array:
@@ -155,3 +166,6 @@ def gough_stewart(
         for i, (rotation, origin) in enumerate(base_frames())
     )
     return Robot(legs, body, home_pose=(HOME, np.eye(3)))
+
+
+ENTRY = Entry("Gough-Stewart", gough_stewart, OUTPUT, MOVES, SOURCE)

@@ -1,0 +1,74 @@
+"""The Delta robot: three arms overhead, each with two parallel rods, which leave the platform level."""
+
+from typing import Any
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.body import FlexibleBody
+from parflex.legs import Joint, Leg, Tip
+from parflex.robot import Robot
+from parflex.robots.entry import Entry
+from parflex.robots.links import together, tube
+from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
+from parflex.robots.rings import plate, ring, standing
+
+SOURCE = "topology: Clavel 1988; parameters our own"
+
+BASE_RADIUS = 0.25  # m
+AROUND = (0, 120, 240)  # degrees: the arms
+SIDE = 0.15  # m, of the hexagonal plate; two rods hold the ends of every other side
+PLATFORM = (-30, 30, 90, 150, 210, 270)  # degrees: the corners of the plate
+ARM, ROD = 0.35, 0.80  # m
+HOME = (0.0, 0.0, -0.70)  # m, under the motors
+PLATE: dict[str, Any] = {"thickness": 3e-3, **STEEL}
+
+ARM_LINK = together(
+    tube(CARBON["density"], 0.025, (0, 0, 0), (ARM, 0, 0), bore=0.023),
+    tube(ALUMINIUM["density"], 0.015, (ARM, 0, -SIDE / 2), (ARM, 0, SIDE / 2)),
+    tube(STEEL["density"], 0.020, (0, 0, -0.03), (0, 0, 0.03)),
+)
+ROD_LINK = tube(CARBON["density"], 0.008, (0, 0, 0), (ROD, 0, 0), bore=0.006)
+ROTOR = 0.01  # kg m², of the motor behind its gear
+
+OUTPUT = (0, 1, 2)
+STILL = (0.0, 0.0, 0.0)
+MOVES = (
+    ((0.15, -0.10, 0.05), STILL),
+    ((-0.15, 0.05, -0.08), STILL),
+    ((0.05, 0.15, -0.03), STILL),
+)
+
+
+def corners() -> Array:
+    """The corners (6, 2) m of the plate, two per leg."""
+    return ring(SIDE, PLATFORM)
+
+
+def links() -> tuple[Joint, ...]:
+    """The arm, turning downwards; twice a cross of no mass and a rod along its x."""
+    joints = [Joint(0, sigma=0, mu=1, alpha=-np.pi / 2, **ARM_LINK, IA=ROTOR)]
+    for cross, aside in ((2, -SIDE / 2), (4, SIDE / 2)):
+        joints.append(Joint(1, sigma=0, d=ARM, r=aside))
+        joints.append(Joint(cross, sigma=0, alpha=np.pi / 2, **ROD_LINK))
+    return tuple(joints)
+
+
+def leg(number: int) -> Leg:
+    """One of three equal legs, its knee outside."""
+    rotation, origin = standing(BASE_RADIUS, AROUND[number])
+    tips = tuple(Tip(frame, (ROD, 0, 0), 2 * number + i) for i, frame in enumerate((3, 5)))
+    return Leg(rotation, origin, links(), tips, posture=(0.3, 1.8, 0.0, 1.8, 0.0))
+
+
+def delta(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+    """A Delta robot; it moves in x, y and z and does not turn.
+
+    modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your
+    own replaces the plate; it needs six attachments. Parameters are invented but realistic.
+    """
+    body = plate(corners(), modes, damping_ratio, **PLATE) if platform is None else platform
+    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+
+
+ENTRY = Entry("Delta", delta, OUTPUT, MOVES, SOURCE)

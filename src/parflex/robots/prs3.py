@@ -1,0 +1,71 @@
+"""The 3-PRS platform: three carriages on upright columns, rods on hinges, a triangular plate."""
+
+from typing import Any
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.body import FlexibleBody
+from parflex.legs import Joint, Leg, Tip
+from parflex.robot import Robot
+from parflex.robots.entry import Entry
+from parflex.robots.links import box
+from parflex.robots.materials import ALUMINIUM, STEEL
+from parflex.robots.rings import plate, ring, standing
+
+SOURCE = "topology: Carretero, Podhorodeski, Nahon and Gosselin 2000; columns upright, parameters our own"
+
+BASE_RADIUS, PLATFORM_RADIUS = 0.50, 0.30  # m
+AROUND = (0, 120, 240)  # degrees: the columns, and the short sides of the plate, held in their middles
+PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
+ROD = 0.45  # m
+HOME = (0.0, 0.0, 0.70)  # m over the feet of the columns
+PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+
+CARRIAGE = box(ALUMINIUM["density"], (0.05, 0.14, 0.14))
+ROD_LINK = box(ALUMINIUM["density"], (ROD, 0.02, 0.04), (ROD / 2, 0, 0))
+ROTOR = 2.0  # kg, of the motor behind its screw
+
+OUTPUT = (2, 3, 4)
+MOVES = (
+    ((0.0, 0.0, 0.08), (0.12, 0.0, 0.0)),
+    ((0.0, 0.0, -0.08), (0.0, 0.12, 0.0)),
+    ((0.0, 0.0, 0.04), (-0.10, -0.08, 0.0)),
+)
+
+
+def corners() -> Array:
+    """The corners (6, 2) m of the plate, a triangle without its tips."""
+    return ring(PLATFORM_RADIUS, PLATFORM)
+
+
+def held() -> Array:
+    """The middles (3, 2) m of its short sides, one per leg."""
+    return corners().reshape(3, 2, 2).mean(axis=1)
+
+
+def links() -> tuple[Joint, ...]:
+    """The carriage along z; the rod along x2, on a hinge across the column's plane."""
+    return (
+        Joint(0, sigma=1, mu=1, **CARRIAGE, IA=ROTOR),
+        Joint(1, sigma=0, alpha=-np.pi / 2, **ROD_LINK),
+    )
+
+
+def leg(number: int) -> Leg:
+    """One of three equal legs, its x inwards; the rod rises from its carriage."""
+    rotation, origin = standing(BASE_RADIUS, AROUND[number], turn=180.0)
+    return Leg(rotation, origin, links(), (Tip(2, (ROD, 0, 0), number),), posture=(0.3, -1.0))
+
+
+def prs3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+    """A platform on three carriages; it rises, rolls and pitches, and drifts a little as it does.
+
+    modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your
+    own replaces the plate; it needs three attachments. Parameters are invented but realistic.
+    """
+    body = plate(corners(), modes, damping_ratio, held(), **PLATE) if platform is None else platform
+    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+
+
+ENTRY = Entry("3-PRS", prs3, OUTPUT, MOVES, SOURCE)

@@ -1,0 +1,70 @@
+"""The 3-RPS platform: three jacks on hinges under a triangular plate."""
+
+from typing import Any
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.body import FlexibleBody
+from parflex.legs import Joint, Leg, Tip
+from parflex.robot import Robot
+from parflex.robots.entry import Entry
+from parflex.robots.links import tube
+from parflex.robots.materials import STEEL
+from parflex.robots.rings import plate, ring, standing
+
+SOURCE = "topology: Hunt 1983; Lee and Shah 1988; parameters our own"
+
+BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
+AROUND = (0, 120, 240)  # degrees: the hinges, and the short sides of the plate, held in their middles
+PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
+HOME = (0.0, 0.0, 0.65)  # m
+PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+
+CYLINDER = tube(STEEL["density"], 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
+PISTON = tube(STEEL["density"], 0.012, (0, 0, -0.40), (0, 0, 0))
+ROTOR = 4.0  # kg, of the motor behind its screw
+
+OUTPUT = (2, 3, 4)
+MOVES = (
+    ((0.0, 0.0, 0.06), (0.12, 0.0, 0.0)),
+    ((0.0, 0.0, -0.05), (0.0, 0.12, 0.0)),
+    ((0.0, 0.0, 0.03), (-0.10, -0.08, 0.0)),
+)
+
+
+def corners() -> Array:
+    """The corners (6, 2) m of the plate, a triangle without its tips."""
+    return ring(PLATFORM_RADIUS, PLATFORM)
+
+
+def held() -> Array:
+    """The middles (3, 2) m of its short sides, one per leg."""
+    return corners().reshape(3, 2, 2).mean(axis=1)
+
+
+def links() -> tuple[Joint, ...]:
+    """The cylinder on its hinge, which lies along the base circle; the piston, from its tip down."""
+    return (
+        Joint(0, sigma=0, alpha=-np.pi / 2, **CYLINDER),
+        Joint(1, sigma=1, mu=1, alpha=np.pi / 2, **PISTON, IA=ROTOR),
+    )
+
+
+def leg(number: int) -> Leg:
+    """One of three equal legs."""
+    rotation, origin = standing(BASE_RADIUS, AROUND[number])
+    return Leg(rotation, origin, links(), (Tip(2, attachment=number),))
+
+
+def rps3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+    """A platform on three jacks; it rises, rolls and pitches, and drifts a little as it does.
+
+    modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your
+    own replaces the plate; it needs three attachments. Parameters are invented but realistic.
+    """
+    body = plate(corners(), modes, damping_ratio, held(), **PLATE) if platform is None else platform
+    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+
+
+ENTRY = Entry("3-RPS", rps3, OUTPUT, MOVES, SOURCE)

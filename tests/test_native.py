@@ -1,0 +1,166 @@
+"""Machine code: the numbers of the virtual machine, one state or many; a cache that is never wrong."""
+
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cases
+import parflex as pf
+import zoo
+from conftest import random_forces, random_states, relative
+from parflex.compiled import cache, ir, kernels, native
+from parflex.compiled.vm import VmBackend, VmFunction, trace
+
+SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
+SOLVED = 1e-12  # of the inverse model, whose systems are less well conditioned
+
+
+@pytest.fixture(autouse=True)
+def own_cache(tmp_path, monkeypatch):
+    """A cache of this test's own."""
+    monkeypatch.setenv(cache.VARIABLE, str(tmp_path / "cache"))
+    return tmp_path / "cache"
+
+
+def alike(found, expected, tolerance):
+    for a, b in zip(found, expected, strict=True):
+        scale = np.max(np.abs(b), initial=1.0)
+        assert relative(a / scale, b / scale) <= tolerance
+
+
+@pytest.mark.parametrize("modes", [0, 10])
+def test_same_numbers_as_the_virtual_machine(model_of, modes):
+    """One state and a batch of 67, whose last block overlaps; on all processors, too."""
+    vm = model_of(modes, "vm")
+    states, forces = random_states(vm.robot, 67, 1), random_forces(vm, 67, 2)
+    x, w = vm.flat(states), np.zeros(6 + modes)
+    build = [(kernels.direct, (x, forces, w), SAME), (kernels.derivative, (x, forces, w), SAME)]
+    for kernel, inputs, tolerance in build:
+        code, expected = native.NativeFunction(kernel(vm.robot)), vm.function(kernel)(*inputs)
+        alike(code(*inputs), expected, tolerance)
+        alike(code(x[3], forces[3], w), [a[3] for a in expected], tolerance)
+        many = [np.tile(a, (20, 1)) if a.ndim == 2 else a for a in inputs]
+        alike(code(*many), [np.tile(a, (20, 1)) for a in expected], tolerance)
+    found = native.NativeFunction(kernels.inverse(vm.robot, pf.FrameOutput()))
+    given = (x, np.ones((67, 6)), w, np.zeros(6))
+    alike(found(*given), vm.function(kernels.inverse, pf.FrameOutput())(*given), SOLVED)
+
+
+def test_functions_of_the_library_are_called(model_of):
+    """Actuated angles need atan2; legs whose joints are carried need sin and cos."""
+    sample = cases.case("rus6", "rigid")
+    robot = sample.robot
+    vm = pf.Model(robot, "vm")
+    x = np.tile(vm.flat(sample.states), (6, 1))
+    alike(native.NativeFunction(kernels.actuators(robot))(x), vm.function(kernels.actuators)(x), SAME)
+
+
+def test_single_states_are_the_batch(model_of):
+    """What the wide code gives for a state is what the code for one gives."""
+    model = pf.Model(model_of(10).robot, "native")
+    states, forces = random_states(model.robot, 100, 5), random_forces(model, 100, 6)
+    whole = model.direct(states, forces)
+    for i in (0, 50, 99):
+        alike([a[i] for a in whole], model.direct(states[i], forces[i]), SAME)
+
+
+def test_code_is_kept(model_of, own_cache, monkeypatch):
+    """The second model is not traced."""
+    kernel = kernels.actuators(model_of(0).robot)
+    x = kernel.probe(1)[0]
+    expected = native.NativeFunction(kernel)(x)
+    assert len(list(own_cache.iterdir())) == 1
+    monkeypatch.setattr(native, "trace", None)
+    alike(native.NativeFunction(kernel)(x), expected, 0.0)
+
+
+@pytest.mark.parametrize("spoil", ["cut", "flip", "empty"])
+def test_a_spoilt_cache_is_compiled_anew(model_of, own_cache, spoil):
+    kernel = kernels.actuators(model_of(0).robot)
+    x = kernel.probe(1)[0]
+    expected = native.NativeFunction(kernel)(x)
+    (path,) = own_cache.iterdir()
+    data = path.read_bytes()
+    flipped = data[:5000] + bytes([data[5000] ^ 1]) + data[5001:]
+    path.write_bytes({"cut": data[: len(data) // 2], "flip": flipped, "empty": b""}[spoil])
+    alike(native.NativeFunction(kernel)(x), expected, 0.0)
+    assert path.read_bytes()[:32] == data[:32]
+
+
+def test_code_of_another_robot_is_noticed(model_of, own_cache):
+    """An entry whose answers are not those of its code, as on a processor that computes otherwise."""
+    kernel = kernels.actuators(model_of(0).robot)
+    x = kernel.probe(1)[0]
+    expected = native.NativeFunction(kernel)(x)
+    (path,) = own_cache.iterdir()
+    entry = cache.load(path.stem)
+    cache.save(path.stem, entry._replace(outputs=[a + 1e-3 for a in entry.outputs]))
+    with pytest.warns(UserWarning, match="cached machine code does not give what it should"):
+        alike(native.NativeFunction(kernel)(x), expected, 0.0)
+
+
+def test_wrong_code_falls_back(model_of, monkeypatch):
+    """A compiler that errs: the virtual machine is used, and said."""
+    monkeypatch.setitem(ir.ARITHMETIC, next(iter(ir.ARITHMETIC)), "fsub")
+    with pytest.warns(UserWarning, match="differs from the virtual machine.*is used instead"):
+        found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
+    assert isinstance(found, VmFunction)
+
+
+def test_code_of_another_user_is_not_run(model_of, own_cache, monkeypatch):
+    kernel = kernels.actuators(model_of(0).robot)
+    native.NativeFunction(kernel)
+    (path,) = own_cache.iterdir()
+    monkeypatch.setattr(cache.os, "getuid", lambda: 12345)
+    assert cache.load(path.stem) is None
+
+
+def test_no_place_for_a_cache(model_of, own_cache, monkeypatch):
+    kernel = kernels.actuators(model_of(0).robot)
+    own_cache.write_text("a file where the folder should be")
+    native.NativeFunction(kernel)
+    monkeypatch.setenv(cache.VARIABLE, "")
+    native.NativeFunction(kernel)
+    assert own_cache.read_text() == "a file where the folder should be"
+
+
+COMPILE = """
+import parflex as pf
+from parflex.compiled import kernels, native
+native.NativeFunction(kernels.direct(pf.robots.gough_stewart(0)))
+"""
+
+
+def test_two_at_once_and_one_killed(own_cache):
+    """Processes that compile the same kernel, one of them killed on its way, leave a whole cache."""
+    start = [subprocess.Popen([sys.executable, "-c", COMPILE]) for _ in range(3)]
+    time.sleep(0.9)
+    start[0].kill()
+    assert [process.wait() for process in start[1:]] == [0, 0]
+    start[0].wait()
+    (path,) = [p for p in Path(own_cache).iterdir() if p.suffix == ".bin"]
+    assert cache.load(path.stem) is not None
+
+
+def test_other_robots_have_other_keys(model_of):
+    """What a robot is made of, to the last bit, names its code."""
+    robot = model_of(0).robot
+    lighter = replace(robot, gravity=(0, 0, np.nextafter(-9.81, 0)))
+    keys = {cache.key_of(kernel.name, kernel.subject) for kernel in (
+        kernels.direct(robot), kernels.direct(lighter), kernels.derivative(robot),
+        kernels.inverse(robot, pf.FrameOutput()), kernels.inverse(robot, pf.FrameOutput((0, 1, 2))),
+    )}  # fmt: skip
+    assert len(keys) == 5
+
+
+def test_every_operation_has_a_translation():
+    """The graphs of all kernels of a robot with carried legs, friction and springs."""
+    robot = zoo.odd(0, 3).robot
+    for kernel in (kernels.direct(robot), kernels.derivative(robot), kernels.projection(robot)):
+        assert "define void @run" in ir.module(trace(kernel), 2)
+    assert VmBackend().name == "vm"
