@@ -76,9 +76,10 @@ def actuator_units(robot: Robot) -> str:
 
 
 def beyond_limits(robot: Robot, joints: Array) -> str:
-    """A line for each joint (T, legs, n) that was beyond its limits; they are not enforced."""
+    """A line for each joint of (T, legs, n) that was beyond its limits; they are not enforced."""
     lines = []
-    for number, (leg, q) in enumerate(zip(robot.legs, np.moveaxis(joints, 1, 0), strict=True), start=1):
+    for number, leg in enumerate(robot.legs, start=1):
+        q = joints[:, number - 1]
         for j, joint in enumerate(leg.joints):
             if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
                 was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
