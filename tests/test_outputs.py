@@ -372,3 +372,16 @@ def test_report_of_a_singular_pose_says_so():
     model = six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
     with pytest.raises((pf.SingularPose, pf.NotConverged), match="singularity"):
         model.output_report(model.robot.home)
+
+
+def test_flat_inverse_of_a_robot_with_three_freedoms():
+    """`model.compiled(output)` gives what `model.inverse` gives."""
+    sample = cases.case("rps3", "flex")
+    model = pf.Model(sample.robot, "vm")
+    flat = model.compiled(sample.output)
+    x, target, out = flat.pack(sample.states[0]), sample.target[0].copy(), np.zeros(3 + 8)
+    flat.inverse(x, target, out)
+    expected = model.inverse(sample.states[0], target, sample.output)
+    assert relative(out, np.concatenate([expected.forces, expected.elastic])) <= 1e-12
+    with pytest.raises(pf.InputError, match=r"prescribes 6 accelerations, but the robot has 3"):
+        model.compiled().inverse(x, np.zeros(6), np.zeros(11))

@@ -245,9 +245,16 @@ class Model:
         """
         return self.at_rest("position and rotation", State(position, rotation))
 
-    def compiled(self) -> Compiled:
-        """The models on flat arrays, without allocation; one per thread."""
-        return Compiled(self)
+    def compiled(self, output: Output | None = None) -> Compiled:
+        """The models on flat arrays, without allocation; one per thread.
+
+        The inverse model prescribes the output, all of V̇_p by default. Raises InputError for an
+        output that the platform does not have.
+        """
+        output = FrameOutput() if output is None else output
+        of_type("output", output, Output, "an")
+        output.check(self.robot.platform)
+        return Compiled(self, output)
 
     def function(self, build: Callable[..., Kernel], output: Output | None = None) -> Function:
         """A kernel of `compiled.kernels`, compiled at first use."""

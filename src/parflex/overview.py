@@ -13,19 +13,22 @@ if TYPE_CHECKING:
     from parflex.files.robot_file import RobotFile
     from parflex.model import Model
 
-LEG_HEADS = ("leg", "chain", "joints", "base (m)", "holds attachments", "mass (kg)")
+LEG_HEADS = ("leg", "chain", "joints", "inverse geometry", "base (m)", "holds attachments", "mass (kg)")
 JOINT_HEADS = ("leg", "joint values at home", "limits")
 
 Rows = list[tuple[str, ...]]
 
 
 def leg_rows(file: "RobotFile") -> Rows:
-    """The legs: chain, joints with a star where there is a motor, place, attachments, mass."""
+    """The legs: chain, joints with a star where there is a motor, leg type, place, attachments, mass."""
+    kinds = {number: group.type.name for group in file.robot.groups for number in group.legs}
     rows: Rows = []
     for number, (leg, chain) in enumerate(zip(file.robot.legs, file.chains, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)
         mass = sum(joint.M for joint in leg.joints)
-        rows.append((str(number + 1), chain, leg.word, vector(leg.origin), held, f"{mass:.4g}"))
+        rows.append(
+            (str(number + 1), chain, leg.word, kinds[number], vector(leg.origin), held, f"{mass:.4g}")
+        )
     return rows
 
 

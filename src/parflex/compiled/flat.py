@@ -8,7 +8,7 @@ from parflex.array import Array
 from parflex.compiled import kernels
 from parflex.compiled.backend import Trigger
 from parflex.errors import InputError
-from parflex.output import FrameOutput
+from parflex.output import Output
 from parflex.state import State, unpack
 
 if TYPE_CHECKING:
@@ -36,8 +36,8 @@ class Compiled:
     the same arrays again and only their contents are read.
     """
 
-    def __init__(self, model: "Model") -> None:
-        self.model = model
+    def __init__(self, model: "Model", output: Output) -> None:
+        self.model, self.output = model, output
         self.state_size, self.modes, self.force_size, self.contact_size = kernels.sizes(model.robot)
         self._direct: dict[Key, Bound] = {}
         self._inverse: dict[Key, Bound] = {}
@@ -68,7 +68,7 @@ class Compiled:
         bound.trigger()
 
     def inverse(self, x: Array, target: Array, out: Array) -> None:
-        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for V̇_p = target (6,).
+        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for an output's target (o,).
 
         Nothing is checked here: near a singular pose the forces grow without bound.
         """
@@ -87,14 +87,15 @@ class Compiled:
 
     def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
-        check("target", target, 6)
-        if self.force_size < 6:
+        size = self.output.size
+        check("target", target, size)
+        if self.force_size < size:
             raise InputError(
-                f"the flat inverse model prescribes 6 accelerations, but the robot has {self.force_size} "
-                f"actuators; use model.inverse with FrameOutput(rows=…)"
+                f"the flat inverse model prescribes {size} accelerations, but the robot has "
+                f"{self.force_size} actuators; use model.compiled(FrameOutput(rows=…))"
             )
         forces, qdd_e, f = self._split(out, self.force_size)
-        function = self.model.function(kernels.inverse, FrameOutput())
+        function = self.model.function(kernels.inverse, self.output)
         return function.bind([x, target, None, None], [forces, None, qdd_e, f, None, None])
 
     def _split(self, out: Array, first: int) -> tuple[Array, Array, Array | None]:

@@ -11,7 +11,7 @@ from parflex.legs.leg import Leg
 class Carried(LegType):
     """A tree without closed form: q and q̇ are part of the state, solved by Newton at the door."""
 
-    name = "any"
+    name = "Newton"
     carries = True
 
     def recognises(self, leg: Leg) -> bool:
