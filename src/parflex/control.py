@@ -1,6 +1,7 @@
 """Control laws: what moves the robot in a simulation."""
 
 from abc import ABC, abstractmethod
+from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
@@ -127,20 +128,21 @@ class Tracking(Law):
         self._inputs = [np.zeros(n) for n in function.kernel.inputs]
         self._results = [np.zeros(n) for n in function.kernel.outputs]
         self._run = function.bind(self._inputs, self._results)
-        self._inputs[2][:] = np.concatenate([np.zeros(6) + control.kp, np.zeros(6) + control.kd])
-        self._inputs[4][:] = control.preload
-        self._robot, self._trajectory = model.robot, control.trajectory
+        self._inputs[3][:] = np.concatenate([np.zeros(6) + control.kp, np.zeros(6) + control.kd])
+        self._inputs[5][:] = control.preload
+        self._robot, way = model.robot, control.trajectory
+        self._starts, self._segments = way.starts.tolist(), way.segments
         self._watch = singular.Watch(model, control.output)
 
     def __call__(self, t: float, x: Array) -> Array:
-        self.rate(t, x, np.zeros_like(self._inputs[3]))
+        self.rate(t, x, np.zeros_like(self._inputs[4]))
         return self._results[0]
 
     def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
-        own_x, wanted, _, own_w, _ = self._inputs
+        own_x, own_t, segment, _, own_w, _ = self._inputs
         _, moved, powers, health = self._results
-        own_x[:], own_w[:] = x, w
-        np.concatenate([part.reshape(-1) for part in self._trajectory.at(np.asarray(t))], out=wanted)
+        own_x[:], own_t[0], own_w[:] = x, t, w
+        segment[:] = self._segments[bisect_right(self._starts, t) - 1]
         self._run()
         singular.check_legs(self._robot, health)
         return moved, powers

@@ -81,7 +81,7 @@ def check_legs(robot: Robot, health: Array) -> None:
     health begins with the margins (…, 2 legs) of `assembly.health`.
     """
     margins = health[..., : MARGINS * len(robot.legs)]
-    if np.all(margins > SINGULAR):
+    if np.min(margins, initial=np.inf) > SINGULAR:
         return
     reach, regular, numbers = split_margins(robot, margins)
     for bad, error, what in (

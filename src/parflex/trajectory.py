@@ -3,31 +3,16 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from parflex.array import Array, Given, skew
+from parflex.array import Array, Given
 from parflex.check import exactly, finite, rotation_matrix, scalar
 from parflex.errors import InputError
+from parflex.segment import Sample, along
 from parflex.state import State
-
-ONE = np.eye(3)
-
-
-class Sample(NamedTuple):
-    """Wanted motion of Σp: pose in Σ0; twist and acceleration resolved in Σp, as in `State`."""
-
-    position: Array  # (…, 3) m
-    rotation: Array  # (…, 3, 3)
-    twist: Array  # (…, 6) m/s, rad/s
-    acceleration: Array  # (…, 6) m/s², rad/s²
-
-    def state(self, elastic: ArrayLike = 0.0) -> State:
-        """The state on the trajectory, with elastic coordinates (…, N) at rest."""
-        return State(self.position, self.rotation, self.twist, elastic)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,45 +83,34 @@ class Trajectory:
         return self.at(finite("t", t))
 
     def at(self, time: Array) -> Sample:
-        """As `sample`, for control loops: the times are not checked."""
-        way = self._way
-        k = way.starts.searchsorted(time, side="right") - 1
-        span, line, axis, angle = way.span[k], way.line[k], way.axis[k], way.angle[k]
-        tau = np.minimum(np.maximum((time - way.times[k]) / span, 0.0), 1.0)
-        s = tau**3 * (10 - 15 * tau + 6 * tau**2)
-        ds = 30 * tau**2 * (1 - tau) ** 2 / span
-        dds = 60 * tau * (1 - tau) * (1 - 2 * tau) / span**2
-        sine, versine = np.sin(s * angle)[..., None, None], (1 - np.cos(s * angle))[..., None, None]
-        rotation = way.rotation[k] @ (ONE + sine * way.hat[k] + versine * way.hat_squared[k])
-        along = (line[..., None, :] @ rotation)[..., 0, :]
-        ds, dds, angle = ds[..., None], dds[..., None], angle[..., None]
-        twist = np.concatenate([ds * along, ds * angle * axis], axis=-1)
-        acceleration = np.concatenate([dds * along, dds * angle * axis], axis=-1)
-        return Sample(way.position[k] + s[..., None] * line, rotation, twist, acceleration)
+        """As `sample`; the times are not checked."""
+        number = self.starts.searchsorted(time, side="right") - 1
+        return along(self.segments[number], time)
 
     @cached_property
-    def _way(self) -> "Way":
-        positions, rotations = np.asarray(self.positions), np.asarray(self.rotations)
-        span = np.asarray(self.durations)
-        turns = Rotation.from_matrix(np.swapaxes(rotations[:-1], -1, -2) @ rotations[1:]).as_rotvec()
+    def starts(self) -> Array:
+        """(n + 1,) s, when each segment begins: rest, the ways between the poses, rest."""
+        times = self.rest[0] + np.concatenate([[0.0], np.cumsum(self.durations)])
+        return np.concatenate([[-np.inf], times])
+
+    @cached_property
+    def segments(self) -> Array:
+        """(n + 1, 21), what `along` reads of each."""
+        p, R = np.asarray(self.positions), np.asarray(self.rotations)
+        turns = Rotation.from_matrix(np.swapaxes(R[:-1], -1, -2) @ R[1:]).as_rotvec()
         angle = np.linalg.norm(turns, axis=-1)
         axis = turns / np.where(angle > 0, angle, 1.0)[:, None]
-        times = self.rest[0] + np.concatenate([[0.0], np.cumsum(span)[:-1]])
-        starts = np.concatenate([[-np.inf], times[1:]])
-        line, hat = positions[1:] - positions[:-1], skew(axis)
-        return Way(starts, times, span, positions, line, rotations, axis, angle, hat, hat @ hat)
-
-
-class Way(NamedTuple):
-    """The stretches between poses: when, from where, along which line and about which axis."""
-
-    starts: Array  # (n − 1,) s; the first is minus infinity
-    times: Array  # (n − 1,) s, when each begins
-    span: Array
-    position: Array  # (n, 3)
-    line: Array  # (n − 1, 3)
-    rotation: Array  # (n, 3, 3)
-    axis: Array  # (n − 1, 3), the same in both poses' axes
-    angle: Array  # (n − 1,)
-    hat: Array  # (n − 1, 3, 3), the axis as a cross product
-    hat_squared: Array
+        none, still = np.zeros((1, 3)), np.zeros((1, 1))
+        times = np.concatenate([[0.0], self.starts[1:-1], [0.0]])
+        return np.concatenate(
+            [
+                times[:, None],
+                np.concatenate([[1.0], self.durations, [1.0]])[:, None],
+                np.concatenate([p[:1], p]),
+                np.concatenate([none, p[1:] - p[:-1], none]),
+                np.concatenate([R[:1], R]).reshape(-1, 9),
+                np.concatenate([none, axis, none]),
+                np.concatenate([still, angle[:, None], still]),
+            ],
+            axis=-1,
+        )

@@ -16,6 +16,7 @@ from parflex.closure import flat_state
 from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
+from parflex.segment import SEGMENT, along
 from parflex.spatial import quaternion_rate
 from parflex.state import coordinates
 
@@ -110,31 +111,34 @@ def derivative(robot: Robot) -> Kernel:
 
 
 def tracking(robot: Robot, output: Output) -> Kernel:
-    """(x, wanted 24, gains 12, w, preload) -> Γ, and `rate_of` under Γ.
+    """(x, t 1, segment 21, gains 12, w, preload) -> Γ, and `rate_of` under Γ.
 
-    wanted = (p 3, R 9 by rows, V 6, V̇ 6) as in `trajectory.Sample`, gains = (kp 6, kd 6). The
-    target is V̇_d + kd (V_d − V) + kp e, all resolved in Σp, of which the output takes its rows; the
-    attitude error is the axial part of RᵀR_d, which for small angles is their rotation vector. Γ
-    does not know of the loads w.
+    The wanted motion is that of `trajectory.along`, gains are (kp 6, kd 6). The target is
+    V̇_d + kd (V_d − V) + kp e, all resolved in Σp, of which the output takes its rows; the attitude
+    error is the axial part of RᵀR_d, which for small angles is their rotation vector. Γ does not
+    know of the loads w.
     """
     n, N, m, _ = sizes(robot)
 
-    def function(x: Array, wanted: Array, gains: Array, w: Array, preload: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+    def function(
+        x: Array, t: Array, segment: Array, gains: Array, w: Array, preload: Array
+    ) -> tuple[Array, ...]:
+        system, wanted = assembled(robot, x), along(segment, t[..., 0])
         now = system.x
-        R_d = wanted[..., 3:12].reshape(wanted.shape[:-1] + (3, 3))
-        R_pd = np.matmul(transpose(now.rotation), R_d)
-        place = mtv(now.rotation, wanted[..., :3] - now.position)
+        R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
+        place = mtv(now.rotation, wanted.position - now.position)
         error = join([place, 0.5 * axial(R_pd)])
         twist, acceleration = (
-            join([mv(R_pd, wanted[..., i : i + 3]), mv(R_pd, wanted[..., i + 3 : i + 6])]) for i in (12, 18)
+            join([mv(R_pd, part[..., :3]), mv(R_pd, part[..., 3:])])
+            for part in (wanted.twist, wanted.acceleration)
         )
         kp, kd = gains[..., :6], gains[..., 6:]
         target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
         found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output, preload)
         return (found.forces, *rate_of(robot, system, x, found.forces, w))
 
-    return Kernel("tracking", function, (n, 24, 12, 6 + N, m), (m, *rate_sizes(robot)), (robot, output))
+    inputs = (n, 1, SEGMENT, 12, 6 + N, m)
+    return Kernel("tracking", function, inputs, (m, *rate_sizes(robot)), (robot, output))
 
 
 def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
