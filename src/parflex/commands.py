@@ -114,7 +114,9 @@ def summary(result: Any) -> Table:
         pose = abs(data["pose_error"]).max("time").values
         table.add_row("largest position error", f"{pose[:3].max():.1e} m")
         table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
-    table.add_row("largest actuator force", f"{float(abs(data['forces']).max()):.0f} N")
+    table.add_row(
+        "largest actuator force", f"{float(abs(data['forces']).max()):.4g} {data['forces'].attrs['units']}"
+    )
     table.add_row(
         "largest deformation at an attachment",
         f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm",
