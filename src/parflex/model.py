@@ -3,12 +3,13 @@
 import warnings
 from collections.abc import Callable, Sequence
 from threading import Lock
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex import assembly, cartesian, closure, geometry, singular
+from parflex.answers import Accelerations, Forces, Legs, Reactions, by_attachment, by_leg, legs_of
 from parflex.array import Array
 from parflex.cartesian import Cartesian
 from parflex.check import exactly, finite, integer, of_type
@@ -25,49 +26,6 @@ from parflex.wrench import generalised_force
 
 if TYPE_CHECKING:
     from parflex.zero_dynamics import OutputReport
-
-
-class Accelerations(NamedTuple):
-    """The direct model's answer, all in Σp.
-
-    platform V̇_p (…, 6) m/s², rad/s²; elastic q̈_e (…, N); contact_forces (…, k, 3) N on the
-    platform, by attachment.
-    """
-
-    platform: Array
-    elastic: Array
-    contact_forces: Array
-
-
-class Forces(NamedTuple):
-    """The inverse model's answer.
-
-    forces Γ (…, m) N or N m; elastic q̈_e (…, N), platform V̇_p (…, 6) and contact_forces
-    (…, k, 3) N that go with them, in Σp.
-    """
-
-    forces: Array
-    elastic: Array
-    platform: Array
-    contact_forces: Array
-
-
-class Reactions(NamedTuple):
-    """What each link receives through its joint, in the axes of its own frame; one entry per leg.
-
-    force (…, n_i, 3) N, moment (…, n_i, 3) N m about the frame's origin. Along the joint's axis it
-    holds the actuator's force less friction, spring and rotor.
-    """
-
-    force: tuple[Array, ...]
-    moment: tuple[Array, ...]
-
-
-class Legs(NamedTuple):
-    """Joint positions and rates, one (…, n_i) per leg; m and rad."""
-
-    q: tuple[Array, ...]
-    qd: tuple[Array, ...]
 
 
 class Model:
@@ -349,24 +307,6 @@ class Model:
         return self._system(state), u, self.function(kernels.direct)(x, u, w)[2]
 
 
-def legs_of(robot: Robot, system: assembly.System) -> Legs:
-    """Joint positions and rates of an assembled system."""
-    positions = [
-        np.stack([assembly.joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1)
-        for leg in system.legs
-    ]
-    return Legs(by_leg(robot, positions), by_leg(robot, [leg.qd for leg in system.legs]))
-
-
-def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, ...]:
-    """Arrays (…, L, n) by group, or (…, L, n, 3) with two axes of their own, as one per leg."""
-    found: list[Array] = [np.zeros(0)] * len(robot.legs)
-    for group, value in zip(robot.groups, values, strict=True):
-        for place, number in enumerate(group.legs):
-            found[number] = np.take(value, place, axis=-1 - core)
-    return tuple(found)
-
-
 def check_batch(x: Array, second: Array, w: Array, name: str, preload: Array | None = None) -> None:
     """The leading axes of state, second argument, wrenches and preload must broadcast."""
     shapes = {"state": x, name: second, "wrenches": w} | ({} if preload is None else {"preload": preload})
@@ -375,14 +315,6 @@ def check_batch(x: Array, second: Array, w: Array, name: str, preload: Array | N
     except ValueError:
         said = ", ".join(f"{a.shape[:-1]} of {what}" for what, a in shapes.items())
         raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None
-
-
-def by_attachment(robot: Robot, f: Array) -> Array:
-    """Contact forces (…, k, 3) by attachment, zero where no leg holds, from (…, 3 tips)."""
-    by_tip = f.reshape(f.shape[:-1] + (len(robot.tip_attachments), 3))
-    count = len(robot.platform.attachments)
-    chosen = np.arange(count)[:, None] == robot.tip_attachments
-    return np.einsum("at,...tc->...ac", chosen.astype(float), by_tip)
 
 
 def replace_twist(state: State) -> State:

@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 
 import parflex
+from parflex.answers import by_attachment, legs_of
 from parflex.array import Array, mtv, mv
 from parflex.assembly import assemble
 from parflex.body import FlexibleBody
@@ -132,7 +133,6 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
     """Forces, and the direct model at every output time."""
     from parflex.compiled import kernels
     from parflex.compiled.reference import NumpyFunction
-    from parflex.model import by_attachment
 
     direct = NumpyFunction(kernels.direct(model.robot))  # for one batch, tracing would cost more
     Vd, qdd_e, f, _ = direct(run.x, u, w)
@@ -156,8 +156,6 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
 
 def geometry_variables(model: "Model", run: "Run") -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
-    from parflex.model import legs_of
-
     robot, body = model.robot, model.robot.platform
     c = coordinates(run.x, robot.layout)
     system = assemble(robot, c)
