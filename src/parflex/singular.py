@@ -81,7 +81,7 @@ def check_legs(robot: Robot, health: Array) -> None:
     health begins with the margins (…, 2 legs) of `assembly.health`.
     """
     margins = health[..., : MARGINS * len(robot.legs)]
-    if np.min(margins, initial=np.inf) > SINGULAR:
+    if margins.size == 0 or margins.min() > SINGULAR:
         return
     reach, regular, numbers = split_margins(robot, margins)
     for bad, error, what in (
@@ -196,34 +196,38 @@ class Watch:
 
     def __init__(self, model: "Model", output: Output) -> None:
         self._robot, self._output = model.robot, output
-        self._gains = model.function(kernels.gains, output)
-        self._start: tuple[Array, Array] | None = None  # flexible, rigid
-        self._x: Array | None = None
+        function = model.function(kernels.gains, output)
+        self._x = np.zeros(function.kernel.inputs[0])
+        both = np.zeros((2, *function.kernel.outputs[:1]))
+        self._gains = both.reshape(2, output.size, model.robot.n_forces)  # flexible, rigid
+        self._run = function.bind([self._x], list(both))
+        self._start: Array | None = None
 
     def look(self, x: Array) -> None:
         """Raise SingularPose where the motion has crossed a singularity since the first look."""
-        given = self._gains(x)
-        flexible, rigid = (by_rows(self._robot, self._output, gain) for gain in given)
+        self._x[:] = x
+        self._run()
         if self._start is None:
-            if check_gain(self._robot, self._output, x, *given):
+            self._start = self._gains.copy()
+            if check_gain(self._robot, self._output, x, *(gain.reshape(-1) for gain in self._start)):
                 warnings.warn(beyond_words(np.array(True)), DynamicSingularity, stacklevel=4)
-            self._start = flexible, rigid
-        self._x = x.copy()
-        for now, then, what in (
-            (rigid, self._start[1], "parallel singularity: det J_p⁻¹"),
-            (flexible, self._start[0], "dynamic singularity: the determinant of ∂V̇_p/∂Γ"),
-        ):
-            if np.linalg.det(now @ transpose(then)) < 0:
-                raise SingularPose(f"the motion has crossed a {what} changed sign")
+        flexible, rigid = np.linalg.det(self._gains @ transpose(self._start))
+        if rigid < 0:
+            raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
+        if flexible < 0:
+            raise SingularPose(
+                "the motion has crossed a dynamic singularity: the determinant of ∂V̇_p/∂Γ changed sign"
+            )
 
     def explain(self) -> str:
         """Whether the motion has run into a singularity without crossing it."""
-        if self._start is None or self._x is None:
+        if self._start is None:
             return ""
-        flexible, rigid = (by_rows(self._robot, self._output, gain) for gain in self._gains(self._x))
-        now, start, kind = ratio(rigid), ratio(self._start[1]), "parallel"
+        scale = self._output.lengths(size_of(self._robot))[:, None]
+        (flexible, rigid), (flexible_0, rigid_0) = scale * self._gains, scale * self._start
+        now, start, kind = ratio(rigid), ratio(rigid_0), "parallel"
         if now > 0.05 * start:
-            now, start, kind = ratio(flexible), ratio(self._start[0]), "dynamic"
+            now, start, kind = ratio(flexible), ratio(flexible_0), "dynamic"
         if now > 0.05 * start:
             return ""
         return (
