@@ -164,3 +164,12 @@ def test_every_operation_has_a_translation():
     for kernel in (kernels.direct(robot), kernels.derivative(robot), kernels.projection(robot)):
         assert "define void @run" in ir.module(trace(kernel), 2)
     assert VmBackend().name == "vm"
+
+
+@pytest.mark.parametrize("lanes", [1, 4])
+def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
+    """A graph cut into a dozen functions gives what the whole gives."""
+    kernel = kernels.direct(model_of(0).robot)
+    monkeypatch.setattr(ir, "PART", 400)
+    assert ir.module(trace(kernel), lanes).count("define internal void @part") >= 10
+    assert native.code(kernel, lanes).sound

@@ -1,16 +1,24 @@
-"""A CasADi graph as LLVM IR: straight-line code over one state, or over several per instruction."""
+"""A CasADi graph as LLVM IR: straight-line code over one state, or over several per instruction.
+
+Long graphs are cut into parts, functions that hand values on in memory, so that the time LLVM takes
+grows with their length and not faster.
+"""
+
+from math import ceil
 
 import casadi
 import numpy as np
 
+PART = 10_000  # operations of a function, at most
 ARITHMETIC = {
     casadi.OP_ADD: "fadd",
     casadi.OP_SUB: "fsub",
     casadi.OP_MUL: "fmul",
     casadi.OP_DIV: "fdiv",
 }
-TWICE_THE_OPERAND = {casadi.OP_SQ: "fmul", casadi.OP_TWICE: "fadd"}
+OF_ITSELF = {casadi.OP_SQ: "fmul", casadi.OP_TWICE: "fadd"}  # x x, x + x
 LIBRARY = {casadi.OP_SIN: "sin", casadi.OP_COS: "cos", casadi.OP_ATAN2: "atan2"}
+ARITY = {"sin": 1, "cos": 1, "atan2": 2}
 CONTRACT = "contract"  # a multiplication and an addition may become one instruction
 
 
@@ -20,154 +28,204 @@ def module(graph: casadi.Function, lanes: int) -> str:
     pointers holds the addresses of the graph's inputs (B, n_i), then of its outputs (B, m_i), rows
     contiguous; `blocks` times `lanes` rows are computed from row `start` on.
     """
-    return Writer(graph, lanes).text()
+    count = graph.n_instructions()
+    size = ceil(count / ceil(count / PART)) if count else 1
+    last = last_uses(graph)
+    literals: dict[int, str] = {}
+    parts = [
+        Part(graph, lanes, literals).text(number, first, min(first + size, count), last)
+        for number, first in enumerate(range(0, count, size))
+    ]
+    vector = vector_type(lanes)
+    declared = [f"declare {vector} @llvm.sqrt.{suffix(lanes)}({vector})"]
+    declared += [f"declare double @{name}({', '.join(['double'] * n)})" for name, n in ARITY.items()]
+    return "\n".join([*declared, *parts, driver(graph.sz_w() * lanes, lanes, len(parts))])
 
 
-class Writer:
-    """The lines of one function; `values` maps the graph's work slots to IR values."""
+def driver(scratch: int, lanes: int, parts: int) -> str:
+    """The loop over the blocks, which calls part after part."""
+    calls = [f"call void @part{i}(ptr %pointers, i64 %row, ptr %scratch)" for i in range(parts)]
+    return "\n".join(
+        [
+            "define void @run(ptr %pointers, i64 %start, i64 %blocks) {",
+            "entry:",
+            f"%scratch = alloca double, i64 {max(scratch, 1)}, align 64",
+            "br label %test",
+            "test:",
+            "%block = phi i64 [0, %entry], [%next, %body]",
+            "%more = icmp slt i64 %block, %blocks",
+            "br i1 %more, label %body, label %done",
+            "body:",
+            f"%offset = mul i64 %block, {lanes}",
+            "%row = add i64 %start, %offset",
+            *calls,
+            "%next = add i64 %block, 1",
+            "br label %test",
+            "done:",
+            "ret void",
+            "}",
+        ]
+    )
 
-    def __init__(self, graph: casadi.Function, lanes: int) -> None:
-        self.graph, self.lanes = graph, lanes
-        self.type = "double" if lanes == 1 else f"<{lanes} x double>"
+
+def last_uses(graph: casadi.Function) -> dict[int, int]:
+    """For each instruction that defines a value, the last one that uses it."""
+    holder: dict[int, int] = {}  # by work slot, the instruction that filled it
+    last: dict[int, int] = {}
+    for k in range(graph.n_instructions()):
+        op = graph.instruction_id(k)
+        if op != casadi.OP_INPUT:
+            for slot in graph.instruction_input(k):
+                if slot in holder:
+                    last[holder[slot]] = k
+        if op != casadi.OP_OUTPUT:
+            holder[graph.instruction_output(k)[0]] = k
+    return last
+
+
+class Part:
+    """The lines of one function; `values` maps the graph's work slots to IR values.
+
+    What other parts computed is read from memory at first use; constants need no memory.
+    """
+
+    def __init__(self, graph: casadi.Function, lanes: int, literals: dict[int, str]) -> None:
+        self.graph, self.lanes, self.literals = graph, lanes, literals
+        self.type = vector_type(lanes)
         self.lines: list[str] = []
         self.values: dict[int, str] = {}
+        self.made: dict[int, int] = {}  # slots that this part filled, and the instruction
         self.count = 0
-        self.library: set[str] = set()
 
-    def text(self) -> str:
-        """The module."""
+    def text(self, number: int, first: int, end: int, last: dict[int, int]) -> str:
+        """The function of instructions first … end − 1."""
         write = {casadi.OP_INPUT: self.load, casadi.OP_OUTPUT: self.store, casadi.OP_CONST: self.constant}
-        for k in range(self.graph.n_instructions()):
+        for k in range(first, end):
             write.get(self.graph.instruction_id(k), self.compute)(k)
-        sizes = [self.graph.numel_in(i) for i in range(self.graph.n_in())]
-        sizes += [self.graph.numel_out(i) for i in range(self.graph.n_out())]
-        heads, rows = [], []
+        for slot, k in self.made.items():
+            if last.get(k, -1) >= end:
+                self.keep(slot)
+        head = f"define internal void @part{number}(ptr %pointers, i64 %row, ptr %scratch) noinline {{"
+        return "\n".join([head, *self.places(), *self.lines, "ret void", "}"])
+
+    def places(self) -> list[str]:
+        """Where the rows of inputs and outputs begin."""
+        graph, lines = self.graph, []
+        sizes = [graph.numel_in(i) for i in range(graph.n_in())]
+        sizes += [graph.numel_out(i) for i in range(graph.n_out())]
+        lines += [f"%row{lane} = add i64 %row, {lane}" for lane in range(self.lanes)]
         for number, size in enumerate(sizes):
-            heads.append(f"%a{number} = getelementptr ptr, ptr %pointers, i64 {number}")
-            heads.append(f"%b{number} = load ptr, ptr %a{number}")
+            lines.append(f"%a{number} = getelementptr ptr, ptr %pointers, i64 {number}")
+            lines.append(f"%b{number} = load ptr, ptr %a{number}")
             for lane in range(self.lanes):
-                rows.append(f"%s{number}_{lane} = mul i64 %row{lane}, {size}")
-                rows.append(
-                    f"%p{number}_{lane} = getelementptr double, ptr %b{number}, i64 %s{number}_{lane}"
-                )
-        steps = [f"%row{lane} = add i64 %row, {lane}" for lane in range(self.lanes)]
-        root = f"declare {self.type} @llvm.sqrt.{self.suffix}({self.type})"
-        declared = [f"declare double @{name}({', '.join(['double'] * n)})" for name, n in ARITY.items()]
-        return "\n".join(
-            [
-                root,
-                *(line for line, name in zip(declared, ARITY, strict=True) if name in self.library),
-                "define void @run(ptr noalias %pointers, i64 %start, i64 %blocks) {",
-                "entry:",
-                *heads,
-                "br label %test",
-                "test:",
-                "%block = phi i64 [0, %entry], [%next, %body]",
-                "%more = icmp slt i64 %block, %blocks",
-                "br i1 %more, label %body, label %done",
-                "body:",
-                f"%offset = mul i64 %block, {self.lanes}",
-                "%row = add i64 %start, %offset",
-                *steps,
-                *rows,
-                *self.lines,
-                "%next = add i64 %block, 1",
-                "br label %test",
-                "done:",
-                "ret void",
-                "}",
-            ]
-        )
+                place = f"ptr %b{number}, i64 %s{number}_{lane}"
+                lines.append(f"%s{number}_{lane} = mul i64 %row{lane}, {size}")
+                lines.append(f"%p{number}_{lane} = getelementptr double, {place}")
+        return lines
 
-    @property
-    def suffix(self) -> str:
-        """Of intrinsic functions."""
-        return "f64" if self.lanes == 1 else f"v{self.lanes}f64"
-
-    def new(self) -> str:
-        """A fresh name."""
+    def new(self, line: str) -> str:
+        """A fresh name for the value of a line."""
         self.count += 1
+        self.lines.append(f"%v{self.count} = {line}")
         return f"%v{self.count}"
+
+    def value(self, slot: int) -> str:
+        """What the slot holds."""
+        if slot in self.literals:
+            return self.literals[slot]
+        if slot not in self.values:
+            self.values[slot] = self.new(f"load {self.type}, ptr {self.home(slot)}, align 8")
+        return self.values[slot]
+
+    def fill(self, k: int, value: str) -> None:
+        """Note the value that an instruction gives its slot."""
+        slot = self.graph.instruction_output(k)[0]
+        self.literals.pop(slot, None)
+        self.values[slot], self.made[slot] = value, k
+
+    def keep(self, slot: int) -> None:
+        """Hand a slot on to later parts."""
+        self.lines.append(f"store {self.type} {self.values[slot]}, ptr {self.home(slot)}, align 8")
+
+    def home(self, slot: int) -> str:
+        """Where a slot lies in memory."""
+        return self.new(f"getelementptr double, ptr %scratch, i64 {slot * self.lanes}")
 
     def load(self, k: int) -> None:
         """One entry of an input, of all rows of the block."""
         array, entry = self.graph.instruction_input(k)
         value = "poison"
         for lane in range(self.lanes):
-            name = self.new()
-            self.lines.append(f"{name}p = getelementptr double, ptr %p{array}_{lane}, i64 {entry}")
-            self.lines.append(f"{name} = load double, ptr {name}p, align 8")
-            value = name if self.lanes == 1 else self.inserted(value, name, lane)
-        self.values[self.graph.instruction_output(k)[0]] = value
+            place = self.new(f"getelementptr double, ptr %p{array}_{lane}, i64 {entry}")
+            value = self.inserted(value, self.new(f"load double, ptr {place}, align 8"), lane)
+        self.fill(k, value)
 
     def store(self, k: int) -> None:
         """One entry of an output."""
         array, entry = self.graph.instruction_output(k)
-        value = self.values[self.graph.instruction_input(k)[0]]
+        value = self.value(self.graph.instruction_input(k)[0])
         for lane in range(self.lanes):
-            one = value if self.lanes == 1 else self.extracted(value, lane)
-            name = self.new()
-            place = f"%p{array + self.graph.n_in()}_{lane}"
-            self.lines.append(f"{name} = getelementptr double, ptr {place}, i64 {entry}")
-            self.lines.append(f"store double {one}, ptr {name}, align 8")
+            one = self.extracted(value, lane)
+            start = f"%p{array + self.graph.n_in()}_{lane}"
+            place = self.new(f"getelementptr double, ptr {start}, i64 {entry}")
+            self.lines.append(f"store double {one}, ptr {place}, align 8")
 
     def constant(self, k: int) -> None:
         """A number, exactly."""
-        self.values[self.graph.instruction_output(k)[0]] = self.number(self.graph.instruction_constant(k))
+        slot = self.graph.instruction_output(k)[0]
+        self.made.pop(slot, None)
+        self.values.pop(slot, None)
+        self.literals[slot] = self.number(self.graph.instruction_constant(k))
 
     def compute(self, k: int) -> None:
         """One operation."""
-        op = self.graph.instruction_id(k)
-        given = [self.values[slot] for slot in self.graph.instruction_input(k)]
-        name = self.new()
+        op, kind = self.graph.instruction_id(k), self.type
+        given = [self.value(slot) for slot in self.graph.instruction_input(k)]
         if op in ARITHMETIC:
-            line = f"{ARITHMETIC[op]} {CONTRACT} {self.type} {given[0]}, {given[1]}"
-        elif op in TWICE_THE_OPERAND:
-            line = f"{TWICE_THE_OPERAND[op]} {CONTRACT} {self.type} {given[0]}, {given[0]}"
+            value = self.new(f"{ARITHMETIC[op]} {CONTRACT} {kind} {given[0]}, {given[1]}")
+        elif op in OF_ITSELF:
+            value = self.new(f"{OF_ITSELF[op]} {CONTRACT} {kind} {given[0]}, {given[0]}")
         elif op == casadi.OP_INV:
-            line = f"fdiv {CONTRACT} {self.type} {self.number(1.0)}, {given[0]}"
+            value = self.new(f"fdiv {CONTRACT} {kind} {self.number(1.0)}, {given[0]}")
         elif op == casadi.OP_NEG:
-            line = f"fneg {self.type} {given[0]}"
+            value = self.new(f"fneg {kind} {given[0]}")
         elif op == casadi.OP_SQRT:
-            line = f"call {self.type} @llvm.sqrt.{self.suffix}({self.type} {given[0]})"
+            value = self.new(f"call {kind} @llvm.sqrt.{suffix(self.lanes)}({kind} {given[0]})")
         elif op in LIBRARY:
-            self.values[self.graph.instruction_output(k)[0]] = self.called(LIBRARY[op], given)
-            return
+            value = self.called(LIBRARY[op], given)
         else:
             raise NotImplementedError(f"operation {op} of CasADi has no translation")
-        self.lines.append(f"{name} = {line}")
-        self.values[self.graph.instruction_output(k)[0]] = name
+        self.fill(k, value)
 
     def called(self, function: str, given: list[str]) -> str:
         """A function of the C library, lane by lane."""
-        self.library.add(function)
         value = "poison"
         for lane in range(self.lanes):
-            ones = given if self.lanes == 1 else [self.extracted(v, lane) for v in given]
-            name = self.new()
-            arguments = ", ".join(f"double {one}" for one in ones)
-            self.lines.append(f"{name} = call double @{function}({arguments})")
-            value = name if self.lanes == 1 else self.inserted(value, name, lane)
+            arguments = ", ".join(f"double {self.extracted(v, lane)}" for v in given)
+            value = self.inserted(value, self.new(f"call double @{function}({arguments})"), lane)
         return value
 
     def inserted(self, vector: str, value: str, lane: int) -> str:
         """The vector with one lane set."""
-        name = self.new()
-        self.lines.append(f"{name} = insertelement {self.type} {vector}, double {value}, i32 {lane}")
-        return name
+        if self.lanes == 1:
+            return value
+        return self.new(f"insertelement {self.type} {vector}, double {value}, i32 {lane}")
 
     def extracted(self, vector: str, lane: int) -> str:
         """One lane of a vector."""
-        name = self.new()
-        self.lines.append(f"{name} = extractelement {self.type} {vector}, i32 {lane}")
-        return name
+        return vector if self.lanes == 1 else self.new(f"extractelement {self.type} {vector}, i32 {lane}")
 
     def number(self, value: float) -> str:
         """A constant, to the bit."""
         word = f"0x{np.float64(value).view(np.uint64):016X}"
-        if self.lanes == 1:
-            return word
-        return "<" + ", ".join([f"double {word}"] * self.lanes) + ">"
+        return word if self.lanes == 1 else "<" + ", ".join([f"double {word}"] * self.lanes) + ">"
 
 
-ARITY = {"sin": 1, "cos": 1, "atan2": 2}
+def vector_type(lanes: int) -> str:
+    """The type of a value."""
+    return "double" if lanes == 1 else f"<{lanes} x double>"
+
+
+def suffix(lanes: int) -> str:
+    """Of intrinsic functions on values."""
+    return "f64" if lanes == 1 else f"v{lanes}f64"
