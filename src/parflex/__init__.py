@@ -13,6 +13,7 @@ from parflex.errors import DynamicSingularity, InputError, NotConverged, OutOfRe
 if TYPE_CHECKING:
     from parflex import fe, robots
     from parflex.body import FlexibleBody
+    from parflex.compiled.c.export import export_c
     from parflex.control import ComputedTorque, Controller, JointPD
     from parflex.files.robot_file import load_robot
     from parflex.legs import Joint, Leg, Tip
@@ -45,6 +46,7 @@ _HOME = {  # loaded at first use, so that `import parflex` is quick
     "Tip": "legs",
     "Trajectory": "trajectory",
     "Wrench": "state",
+    "export_c": "compiled.c.export",
     "load_result": "result",
     "load_robot": "files.robot_file",
     "simulate": "simulation",
@@ -74,6 +76,7 @@ __all__ = [
     "Tip",
     "Trajectory",
     "Wrench",
+    "export_c",
     "fe",
     "load_result",
     "load_robot",

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import parflex
-from parflex.commands import check, init, simulate, summary
+from parflex.commands import check, export, init, simulate, summary
 from parflex.errors import InputError
 from parflex.terminal import (
     Backend,
@@ -33,7 +33,7 @@ app = typer.Typer(
     "Start with `parflex paper`: it flies the robot of the paper and draws its figures. For a robot "
     "of your own, `parflex init`, then `parflex check` and `parflex simulate`.",
 )
-for command in (check, simulate, init):
+for command in (check, simulate, init, export):
     app.command()(command)
 
 

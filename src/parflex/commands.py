@@ -1,14 +1,18 @@
-"""The commands for robots of one's own: init, check, simulate."""
+"""The commands for robots of one's own: init, check, simulate, export."""
 
 import time
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
 from rich.table import Table
 
+from parflex.errors import InputError
 from parflex.terminal import Backend, ImageFormat, Out, check_format, check_writable, console, step
+
+if TYPE_CHECKING:
+    from parflex.output import FrameOutput
 
 RobotPath = Annotated[Path, typer.Argument(help="A robot file (TOML).")]
 
@@ -94,6 +98,53 @@ def simulate(
     console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
     if done.result.partial:
         raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+
+
+def export(
+    robot: RobotPath,
+    c: Annotated[Path, typer.Option("--c", help="Folder for C99 code; made if it is not there.")],
+    rows: Annotated[
+        str, typer.Option(help='Components of the acceleration that the inverse model takes: "0,1,2".')
+    ] = "",
+    prefix: Annotated[str, typer.Option(help="What the names of all functions begin with.")] = "parflex",
+    force: Annotated[bool, typer.Option("--force", help="Write beside files of others.")] = False,
+) -> None:
+    """Write the models as C99 for controllers: no allocation, a header, a self-test.
+
+    Rows are 0, 1, 2 linear, 3, 4, 5 angular, in the platform's axes; all six by default.
+
+    Examples:
+
+    `parflex export robot.toml --c robot-c` - then `make -C robot-c` compiles and tests
+
+    `parflex export delta.toml --c delta-c --rows 0,1,2` - a robot with three motors
+    """
+    from parflex.compiled.c.export import check_folder, export_c
+    from parflex.files.robot_file import check_standing, read_robot
+
+    output = output_of(rows)
+    check_folder(c, force)
+    file = read_robot(robot)
+    check_standing(file)
+    if not rows and file.robot.n_forces < 6:
+        raise InputError(
+            f"--rows is not given, and {robot.name} has {file.robot.n_forces} motors, too few for all six "
+            f"components of the acceleration; name as many, 0, 1, 2 linear, 3, 4, 5 angular: --rows 0,1,2"
+        )
+    files = export_c(file.robot, c, output, prefix=prefix, force=force)
+    console.print(f"wrote {', '.join(path.name for path in files)} to [bold]{escape(str(c))}[/]")
+    console.print(f"now: make -C {escape(str(c))}")
+
+
+def output_of(rows: str) -> "FrameOutput":
+    """The output that the rows "0,1,2" name; all six where there are none."""
+    from parflex.output import FrameOutput
+
+    try:
+        return FrameOutput(tuple(int(part) for part in rows.split(","))) if rows else FrameOutput()
+    except ValueError:
+        words = f"--rows is {rows!r}; name rows, each once, like 0,1,2: 0, 1, 2 linear, 3, 4, 5 angular"
+        raise InputError(words) from None
 
 
 def table_of(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
