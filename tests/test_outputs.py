@@ -385,3 +385,10 @@ def test_flat_inverse_of_a_robot_with_three_freedoms():
     assert relative(out, np.concatenate([expected.forces, expected.elastic])) <= 1e-12
     with pytest.raises(pf.InputError, match=r"prescribes 6 accelerations, but the robot has 3"):
         model.compiled().inverse(x, np.zeros(6), np.zeros(11))
+
+
+def test_an_output_that_no_actuator_moves():
+    """A Delta does not turn: its angular rows have gains of round-off, however well they compare."""
+    model = pf.Model(pf.robots.delta(0), "numpy")
+    with pytest.raises(pf.SingularPose, match="no actuator moves the output at all"):
+        model.inverse(model.robot.home, np.zeros(3), pf.FrameOutput((3, 4, 5)))

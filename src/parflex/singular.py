@@ -153,6 +153,13 @@ def check_gain(robot: Robot, output: Output, x: Array, flexible: Array, rigid: A
     in the result (…,) marks poses beyond a dynamic singularity: the two have opposite signs.
     """
     rigid, flexible = by_rows(robot, output, rigid), by_rows(robot, output, flexible)
+    mass = robot.platform.moments.m + sum(joint.M for leg in robot.legs for joint in leg.joints)
+    idle = mass * np.linalg.norm(rigid, axis=(-2, -1)) < SINGULAR
+    if np.any(idle):
+        raise SingularPose(
+            f"pose{index_of(idle)}: no actuator moves the output at all, the legs hold the platform against "
+            f"it; name rows that they leave free (model.mobility tells how many)"
+        )
     lost = ratio(rigid) < SINGULAR
     if np.any(lost):
         which = tuple(np.argwhere(lost)[0]) if lost.ndim else ()
