@@ -1,5 +1,6 @@
 """Machine code: the numbers of the virtual machine, one state or many; a cache that is never wrong."""
 
+import os
 import subprocess
 import sys
 import time
@@ -173,3 +174,27 @@ def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
     monkeypatch.setattr(ir, "PART", 400)
     assert ir.module(trace(kernel), lanes).count("define internal void @part") >= 10
     assert native.code(kernel, lanes).sound
+
+
+FORK = """
+import os, warnings
+import numpy as np
+import parflex as pf
+from parflex.compiled import kernels, native
+
+robot = pf.robots.gough_stewart(0)
+function = native.NativeFunction(kernels.actuators(robot))
+x = np.tile(function.kernel.probe(1)[0], (2000, 1))
+expected = function(x)[0]
+warnings.simplefilter("ignore")
+child = os.fork()
+if child == 0:
+    os._exit(0 if np.array_equal(function(x)[0], expected) else 1)
+assert os.waitpid(child, 0)[1] == 0
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes do not fork here")
+def test_batches_in_a_forked_process(own_cache):
+    """The threads of the parent are not waited for in the child."""
+    subprocess.run([sys.executable, "-c", FORK], check=True, timeout=60)

@@ -166,6 +166,10 @@ def pool() -> ThreadPoolExecutor:
     return ThreadPoolExecutor(os.cpu_count() or 1, thread_name_prefix="parflex")
 
 
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=pool.cache_clear)  # threads do not follow into a fork
+
+
 def addresses(arrays: Sequence[Array]) -> Array:
     """Where the arrays begin; they must outlive it."""
     return np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
@@ -179,7 +183,7 @@ class NativeBackend(Backend):
     def compile(self, kernel: Kernel) -> Function:
         try:
             return NativeFunction(kernel)
-        except Unsound as error:
+        except (Unsound, RuntimeError, OSError) as error:  # a processor that LLVM does not serve
             warnings.warn(f"{error}; the virtual machine is used instead", stacklevel=2)
             return VmFunction(kernel)
 
