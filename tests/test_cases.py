@@ -1,5 +1,6 @@
 """The oracle and the library against stored reference cases, and the same robots written otherwise."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -364,3 +365,34 @@ def oracle_rates(sample, platform, q):
     """q̇ of each leg, from the tips."""
     velocities = sample.tip_motions(platform)[1]
     return [oracle.joint_rates(leg, *both) for leg, *both in zip(sample.legs, q, velocities, strict=True)]
+
+
+# --- branches that states name ---
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_joints_of_a_state_name_the_branch(name):
+    """Legs without a posture: the stored joints tell which way the elbows point, in every call."""
+    sample, stored = cases.case(name, "rigid"), cases.arrays(name, "rigid")
+    legs = tuple(replace(leg, posture=None) for leg in sample.robot.legs)
+    bare = pf.Model(replace(sample.robot, legs=legs), "numpy")
+    states = sample.states
+    check(errors_of("direct", bare.direct(states, sample.forces), stored), LIBRARY, at_least=2)
+    found = bare.inverse(states, sample.target, sample.output)
+    check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
+    for q, expected in zip(bare.legs(states).q, sample.q, strict=True):
+        assert relative(q, expected) <= LIBRARY
+    assert relative(bare.project(states[0]).position, states[0].position) <= LIBRARY
+    flat, out = bare.compiled(sample.output), np.zeros(6)
+    flat.direct(flat.pack(states[1]), sample.forces[1].copy(), out)
+    assert relative(out, stored["direct_platform"][1]) <= LIBRARY
+    driven = [joint.mu for leg in sample.legs for joint in leg.joints]
+    wanted = np.concatenate([q[2] for q in sample.q])[np.flatnonzero(driven)]
+    near = bare.pose(wanted, states[2])
+    assert relative(near.position, states[2].position) <= LIBRARY
+    run = pf.simulate(bare, sample.forces[0], states[0], [0, 1e-3])
+    again = pf.simulate(model(name, "rigid", "numpy"), sample.forces[0], states[0], [0, 1e-3])
+    assert relative(run.dataset.position, again.dataset.position) <= LIBRARY
+    assert (
+        relative(bare.direct(run.state(1), sample.forces[0]).platform, run.dataset.acceleration[1]) <= LIBRARY
+    )

@@ -15,7 +15,7 @@ from parflex.check import finite, of_type
 from parflex.compiled import kernels
 from parflex.errors import InputError
 from parflex.output import FrameOutput
-from parflex.state import State, unpack
+from parflex.state import State
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -216,10 +216,10 @@ class Called(Driven):
 
     def __init__(self, model: "Model", function: Callable[[float, State], ArrayLike]) -> None:
         super().__init__(model)
-        self._function, self._layout = function, model.robot.layout
+        self._function, self._state = function, model.state
 
     def __call__(self, t: float, x: Array) -> Array:
-        found = finite("controller(t, state)", self._function(t, unpack(x, self._layout)))
+        found = finite("controller(t, state)", self._function(t, self._state(x)))
         m = self._robot.n_forces
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
@@ -239,7 +239,7 @@ class Constant(Driven):
 
 def same_model(own: "Model", simulated: "Model") -> None:
     """A controller runs on the model it was made for."""
-    if own is not simulated:
+    if not simulated.is_of(own):
         raise InputError(
             "the controller was made for another model than the one simulated; make it with that model, or "
             "pass a function (t, state) -> forces that calls the other model's inverse"

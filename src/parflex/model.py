@@ -2,8 +2,10 @@
 
 import warnings
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import wraps
 from threading import Lock
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +13,7 @@ from numpy.typing import ArrayLike
 from parflex import assembly, cartesian, closure, geometry, singular
 from parflex.answers import Accelerations, Forces, Legs, Reactions, by_attachment, by_leg, legs_of
 from parflex.array import Array
+from parflex.branches import on_branches, other_branches
 from parflex.cartesian import Cartesian
 from parflex.check import exactly, finite, integer, of_type
 from parflex.compiled import choose, kernels
@@ -26,6 +29,19 @@ from parflex.wrench import generalised_force
 
 if TYPE_CHECKING:
     from parflex.zero_dynamics import OutputReport
+
+
+Answer = TypeVar("Answer")
+
+
+def on_branch(method: Callable[..., Answer]) -> Callable[..., Answer]:
+    """The method, on the assembly branch that its state names."""
+
+    @wraps(method)
+    def redirected(self: "Model", state: State, *given: Any, **named: Any) -> Answer:
+        return method(self.of(state), state, *given, **named)
+
+    return redirected
 
 
 class Model:
@@ -44,8 +60,11 @@ class Model:
         self.robot = robot
         self.backend = choose(backend)
         self._functions: dict[object, Function] = {}
+        self._siblings: dict[tuple[int, ...], Model] = {}
+        self._origin: Model | None = None
         self._lock = Lock()
 
+    @on_branch
     def direct(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
@@ -64,6 +83,7 @@ class Model:
         singular.check_finite(Vd)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
+    @on_branch
     def inverse(
         self,
         state: State,
@@ -98,6 +118,7 @@ class Model:
             warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=2)
         return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
 
+    @on_branch
     def cartesian(self, state: State) -> Cartesian:
         """The Cartesian form A V̇_p + c = J_sys⁻ᵀ Γ of Eqs. 44–49.
 
@@ -105,10 +126,12 @@ class Model:
         """
         return cartesian.cartesian(self.robot, self._system(state).x)[0]
 
+    @on_branch
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
         return legs_of(self.robot, self._system(state))
 
+    @on_branch
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
     ) -> tuple[Array, ...]:
@@ -119,6 +142,7 @@ class Model:
         system, u, f = self._driven(state, forces, wrenches)
         return by_leg(self.robot, assembly.joint_accelerations(self.robot, system, u, f))
 
+    @on_branch
     def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
 
@@ -129,6 +153,7 @@ class Model:
         force, moment = zip(*assembly.joint_reactions(self.robot, system, qdd, f), strict=True)
         return Reactions(by_leg(self.robot, force, core=2), by_leg(self.robot, moment, core=2))
 
+    @on_branch
     def mobility(self, state: State) -> Mobility:
         """Freedoms, redundant constraints, and singularities of both kinds with their directions.
 
@@ -140,6 +165,7 @@ class Model:
         singular.check_gaps(self.robot, health)
         return mobility(self.robot, x)
 
+    @on_branch
     def output_report(self, state: State, output: Output | None = None) -> "OutputReport":
         """How well the actuators command an output about the equilibrium in a pose.
 
@@ -153,6 +179,7 @@ class Model:
         self._single("state", self.flat(state))
         return output_report(self, state, self._output(output))
 
+    @on_branch
     def project(self, state: State) -> State:
         """The state on the closure nearest to a state: what the legs allow.
 
@@ -161,7 +188,7 @@ class Model:
         Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
         at the given one.
         """
-        return unpack(self._projected(state), self.robot.layout)
+        return self.state(self._projected(state))
 
     def pose(self, joints: ArrayLike, guess: State | None = None, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
@@ -174,12 +201,14 @@ class Model:
         from parflex.statics import equilibrium
 
         wanted = exactly("joints", joints, (self.robot.n_forces,))
+        if guess is not None and self.of(guess) is not self:
+            return self.of(guess).pose(joints, guess, sag)
         x = self._guess(guess)
         if not sag:
-            return unpack(geometry.pose(self, wanted, x), self.robot.layout)
+            return self.state(geometry.pose(self, wanted, x))
         N = self.robot.platform.modes
         bent = lambda q_e: geometry.pose(self, wanted, np.concatenate([x[:13], q_e, x[13 + N :]]))  # noqa: E731
-        return unpack(equilibrium(self, bent)[0], self.robot.layout)
+        return self.state(equilibrium(self, bent)[0])
 
     def poses(
         self, joints: ArrayLike, guess: State | None = None, starts: int = 200, seed: int = 0
@@ -190,9 +219,11 @@ class Model:
         inverse geometry that the robot states. An empty list says that none was found.
         """
         wanted = exactly("joints", joints, (self.robot.n_forces,))
+        if guess is not None and self.of(guess) is not self:
+            return self.of(guess).poses(joints, guess, starts, seed)
         x = self._guess(guess)
         found = geometry.every_pose(self, wanted, x, integer("starts", starts, 1), seed)
-        return [unpack(one, self.robot.layout) for one in found]
+        return [self.state(one) for one in found]
 
     def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
         """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
@@ -222,6 +253,34 @@ class Model:
                 kernel = build(self.robot) if output is None else build(self.robot, output)
                 self._functions[key] = self.backend.compile(kernel)
             return self._functions[key]
+
+    def of(self, state: State) -> "Model":
+        """This model, or one on the assembly branch that a state names by its joints where the legs
+        have no posture."""
+        if not isinstance(state, State) or state.joints is None:
+            return self
+        closure.check_joints(self.robot, state)
+        numbers = other_branches(self.robot, state.joints)
+        if not numbers:
+            return self
+        with self._lock:
+            if numbers not in self._siblings:
+                sibling = Model(on_branches(self.robot, numbers, state.joints), self.backend.name)
+                sibling._origin = self
+                self._siblings[numbers] = sibling
+            return self._siblings[numbers]
+
+    def is_of(self, other: "Model") -> bool:
+        """Whether this is the other model, or one of its branches."""
+        return self is other or self._origin is other
+
+    def state(self, x: Array) -> State:
+        """The state of a flat vector; with all joints where they name the branch."""
+        found = unpack(x, self.robot.layout)
+        if self._origin is None:
+            return found
+        legs = legs_of(self.robot, self._assembled(np.asarray(x, dtype=float))[0])
+        return replace(found, joints=legs.q, joint_rates=legs.qd)
 
     def flat(self, state: State) -> Array:
         """The flat state (…, size); joints that it carries are closed by Newton's method."""
@@ -254,7 +313,7 @@ class Model:
             return closure.projected(self.robot, unpack(held, layout))
 
         x, forces = equilibrium(self, bent)
-        return unpack(x, layout), forces
+        return self.state(x), forces
 
     def _projected(self, state: State) -> Array:
         """The flat state on the closure; where there is none, which leg does not reach."""

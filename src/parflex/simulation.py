@@ -71,6 +71,7 @@ def simulate(
     positive("atol", atol)
     if positive("rtol", rtol) < SMALLEST_RTOL:
         raise InputError(f"rtol is {rtol}; below {SMALLEST_RTOL} round-off prevails")
+    model = model.of(state)
     start = model.flat(state)
     if start.ndim != 1:
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")

@@ -23,7 +23,8 @@ class State:
 
     joints and joint_rates, one (…, n_i) per leg, matter to legs whose inverse geometry has no closed
     form: Newton's method starts from them (by default from the leg's posture, with the rates that
-    the platform imposes). For other legs they may be None, and are checked where given.
+    the platform imposes). For other legs they may be None; where given they name the assembly branch
+    of a leg without a posture, and are checked against that of one with a posture.
 
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
     """

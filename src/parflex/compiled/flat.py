@@ -9,7 +9,7 @@ from parflex.compiled import kernels
 from parflex.compiled.backend import Trigger
 from parflex.errors import InputError
 from parflex.output import Output
-from parflex.state import State, unpack
+from parflex.state import State
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -47,6 +47,9 @@ class Compiled:
 
         Raises OutOfReach where no joints are found for a leg whose joints it carries.
         """
+        if self.model.of(state) is not self.model:
+            self.model = self.model.of(state)
+            self._direct, self._inverse = {}, {}
         x = self.model.flat(state)
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
@@ -56,7 +59,7 @@ class Compiled:
 
     def unpack(self, x: Array) -> State:
         """The state of a flat vector."""
-        return unpack(x, self.model.robot.layout)
+        return self.model.state(x)
 
     def direct(self, x: Array, u: Array, out: Array) -> None:
         """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
