@@ -9,4 +9,5 @@ from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 sys.path.append(str(ROOT / "tests"))
+sys.exudynFast = True  # Exudyn without range checks, chosen before its first import
 warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")

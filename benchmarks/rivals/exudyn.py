@@ -6,6 +6,7 @@ import numpy as np
 from exudyn.FEM import FEMinterface, ObjectFFRFreducedOrderInterface
 from exudyn.rigidBodyUtilities import AngularVelocity2EulerParameters_t, RotationMatrix2EulerParameters
 from scipy.sparse import csr_matrix, diags
+from scipy.spatial.transform import Rotation
 
 from benchmarks.rivals.base import Rival, Task, actuated
 from oracle import screw
@@ -34,6 +35,7 @@ class Exudyn(Rival):
         self.mbs = self.container.AddSystem()
         self.plate, held = self.add_plate()
         self.trees = [self.add_leg(leg, held) for leg in sample.legs]
+        self.sensors = self.add_sensors()
         self.mbs.Assemble()
         self.settings = exu.SimulationSettings()
         quiet(self.settings)
@@ -81,6 +83,17 @@ class Exudyn(Rival):
             mbs.AddObject(items.ObjectJointSpherical(markerNumbers=ends))
         return tree
 
+    def add_sensors(self) -> list[int]:
+        """Of position, attitude and modes."""
+        kinds = [exu.OutputVariableType.Position, exu.OutputVariableType.RotationMatrix]
+        nodes = [self.plate] * 2
+        if self.sample.body.modes:
+            kinds, nodes = [*kinds, exu.OutputVariableType.Coordinates], [*nodes, self.plate + 1]
+        return [
+            self.mbs.AddSensor(items.SensorNode(nodeNumber=node, outputVariableType=kind, storeInternal=True))
+            for node, kind in zip(nodes, kinds, strict=True)
+        ]
+
     def place(self, s: int) -> None:
         """Initial values: the state and forces of the sample."""
         state, mbs = self.sample.platform[s], self.mbs
@@ -114,6 +127,28 @@ class Exudyn(Rival):
 
         return {"initial accelerations": Task(call, answer)}
 
+    def simulate(self, times: np.ndarray, steps: int, rho: float | None) -> np.ndarray:
+        """The run from state 0 (T, 6 + N): position, attitude as a rotation vector, bend.
+
+        Generalised α of spectral radius ρ; for None the trapezoidal rule with closures on velocities.
+        """
+        self.place(0)
+        settings = exu.SimulationSettings()
+        quiet(settings)
+        run = settings.timeIntegration
+        run.endTime, run.numberOfSteps = times[-1], steps
+        run.newton.useModifiedNewton = True
+        if rho is None:
+            run.generalizedAlpha.useNewmark = run.generalizedAlpha.useIndex2Constraints = True
+        else:
+            run.generalizedAlpha.spectralRadius = rho
+        settings.solutionSettings.sensorsWritePeriod = times[1] - times[0]
+        if not self.mbs.SolveDynamic(settings):
+            raise RuntimeError("Exudyn's solver did not reach the end")
+        read = [np.asarray(self.mbs.GetSensorStoredData(sensor))[:, 1:] for sensor in self.sensors]
+        turns = Rotation.from_matrix(read[1].reshape(-1, 3, 3)).as_rotvec()
+        return np.hstack([read[0], turns, *read[2:]])
+
 
 def quiet(settings: "exu.SimulationSettings") -> None:
     """No files, no words."""
@@ -141,7 +176,7 @@ def inertia_at_com(M: float, MS, inertia) -> np.ndarray:
 def add_rigid_plate(mbs, sample: Sample) -> tuple[int, list[int]]:
     """One rigid body with Euler parameters."""
     moments = sample.body.moments
-    I = np.trace(moments.P0) * np.eye(3) - moments.P0
+    J = np.trace(moments.P0) * np.eye(3) - moments.P0
     node = mbs.AddNode(
         items.NodeRigidBodyEP(referenceCoordinates=[0, 0, 0, 1, 0, 0, 0], initialVelocities=[0] * 7)
     )
@@ -150,7 +185,7 @@ def add_rigid_plate(mbs, sample: Sample) -> tuple[int, list[int]]:
             nodeNumber=node,
             mass=moments.m,
             centerOfMass=moments.MS0 / moments.m,
-            inertia=[I[0, 0], I[1, 1], I[2, 2], I[1, 2], I[0, 2], I[0, 1]],
+            inertia=[J[0, 0], J[1, 1], J[2, 2], J[1, 2], J[0, 2], J[0, 1]],
         )
     )
     weight = mbs.AddMarker(items.MarkerBodyMass(bodyNumber=body))

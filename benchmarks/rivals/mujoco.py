@@ -18,9 +18,9 @@ class Mujoco(Rival):
     name = "MuJoCo"
     tolerance = 1e-2  # soft closures
     remark = (
-        f"has soft closures, here at the largest impedance that it allows, {HARDEST}: in the direct model 1e-4 of "
-        "each closure's inverse inertia yields to its force; mj_inverse cannot tell actuators from closures, "
-        "so the inverse model is made of its Jacobian, mass matrix and bias in NumPy, with hard closures"
+        f"has soft closures, here at the largest impedance that it allows, {HARDEST}: in the direct model "
+        "1e-4 of each closure's inverse inertia yields to its force; mj_inverse cannot tell actuators from "
+        "closures, so the inverse model is made of its Jacobian, mass matrix and bias in NumPy, closures hard"
     )
 
     def __init__(self, sample: Sample) -> None:

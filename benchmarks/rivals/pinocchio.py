@@ -13,8 +13,8 @@ class Pinocchio(Rival):
 
     name = "Pinocchio"
     remark = (
-        "has no inverse model of a closed robot: constraintDynamics, its factors for six columns, and a 6 × 6 "
-        "solve in NumPy"
+        "has no inverse model of a closed robot: constraintDynamics, its factors for six columns, and a "
+        "6 × 6 solve in NumPy"
     )
 
     def __init__(self, sample: Sample) -> None:
@@ -39,8 +39,8 @@ class Pinocchio(Rival):
     def inverse(self, s: int) -> dict[str, Task]:
         """The direct model is affine in Γ: q̈ = q̈(Γ = 0) + G Γ, six rows of which are wanted.
 
-        G follows from the factors of [0, J; Jᵀ, M]; those that `constraintDynamics` leaves are refused as out of
-        date, so that they are computed again.
+        G follows from the factors of [0, J; Jᵀ, M]; those that `constraintDynamics` leaves are refused as
+        out of date, so that they are computed again.
         """
         q, qd = self.coordinates(s)
         twist = self.sample.platform[s].twist
