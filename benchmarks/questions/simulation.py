@@ -1,0 +1,109 @@
+"""How long does one simulated second take, at the same accuracy?
+
+Errors are the largest of position, attitude and bend at the output times, each over its largest change in the
+reference, parflex at its tightest. That Exudyn converges to it is the check of the reference.
+"""
+
+from collections.abc import Callable
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+import parflex as pf
+from benchmarks import robots
+from benchmarks.report import Section
+from benchmarks.rivals.exudyn import Exudyn
+from benchmarks.timing import alternate
+from sample import Sample
+
+WANTED = 1e-6
+TIMES = np.linspace(0.0, 1.0, 51)
+ROUNDS = 3
+TOLERANCES = 10.0 ** -np.arange(3.0, 12.0, 0.5)
+TIGHTEST = 1e-13
+SCHEMES = {"generalised α, ρ = 0.8, modified Newton": 0.8, "index 2 trapezoidal, modified Newton": None}
+STEPS = 1000  # of the first try
+MARGIN = 1.1
+
+
+class Contender(NamedTuple):
+    """A program with the setting that reaches the accuracy, and its run."""
+
+    program: str
+    setting: str
+    error: float
+    run: Callable[[], object]
+
+
+def ask() -> Section:
+    """One row per start and program, with what it took to reach the accuracy."""
+    head = ("start", "program", "setting", "error", "s", "ratio")
+    section = Section(f"One second of motion at error {WANTED:g}, N = {robots.MODES}", head)
+    released = robots.at_rest(robots.MODES)
+    for name, sample in {
+        "released from q_e = 0": released,
+        "from equilibrium, forces × 1.01": pushed(released),
+    }.items():
+        model = pf.Model(sample.robot)
+        reference = flown(model, sample, TIGHTEST)
+        others = [exudyn_at(sample, reference, rho, label) for label, rho in SCHEMES.items()]
+        contenders = [parflex_at(model, sample, reference), *others]
+        times = alternate({c.setting: c.run for c in contenders}, ROUNDS)
+        first = times[contenders[0].setting].median
+        for program, setting, missed, _ in contenders:
+            seconds = times[setting].median
+            section.add(name, program, setting, f"{missed:.1e}", f"{seconds:.3g}", f"{seconds / first:.3g}")
+    section.notes = [
+        "each over the largest change of position, attitude and bend, at 51 output times",
+        "parflex's time includes its energy ledger and labelled results",
+    ]
+    return section
+
+
+def pushed(released: Sample) -> Sample:
+    """From the bent equilibrium, under one per cent more force."""
+    model = pf.Model(released.robot, "numpy")
+    state, forces = model.static(*released.home_pose)
+    still = np.zeros((1, 6)), np.zeros((1, released.body.modes))
+    place = state.position[None], state.rotation[None]
+    batch = pf.State(*place, still[0], state.elastic[None], still[1])
+    q = [leg[None] for leg in model.legs(state).q]
+    return replace(released, platform=batch, q=q, forces=1.01 * forces[None])
+
+
+def flown(model: pf.Model, sample: Sample, rtol: float) -> np.ndarray:
+    """parflex's run (T, 6 + N): position, attitude as a rotation vector, bend."""
+    found = pf.simulate(model, sample.forces[0], sample.platform[0], TIMES, rtol=rtol, atol=1e-2 * rtol)
+    data = found.dataset
+    turns = Rotation.from_matrix(data["rotation"].values).as_rotvec()
+    return np.hstack([data["position"].values, turns, data["elastic"].values])
+
+
+def error(found: np.ndarray, reference: np.ndarray) -> float:
+    """The largest error of each quantity over its largest change, the worst of them."""
+    missed, change = np.abs(found - reference), np.abs(reference - reference[0])
+    parts = [slice(0, 3), slice(3, 6), slice(6, None)]
+    return max(float(np.max(missed[:, p]) / np.max(change[:, p])) for p in parts)
+
+
+def parflex_at(model: pf.Model, sample: Sample, reference: np.ndarray) -> Contender:
+    """At the loosest tolerance that reaches the accuracy."""
+    for rtol in TOLERANCES:
+        missed = error(flown(model, sample, rtol), reference)
+        if missed <= WANTED:
+            break
+    return Contender("parflex", f"rtol = {rtol:.1e}", missed, lambda: flown(model, sample, rtol))
+
+
+def exudyn_at(sample: Sample, reference: np.ndarray, rho: float | None, label: str) -> Contender:
+    """With as few steps as reach the accuracy: both schemes are of second order, which tells how many."""
+    rival, steps, outputs = Exudyn(sample), STEPS, len(TIMES) - 1
+    while True:
+        missed = error(rival.simulate(TIMES, steps, rho), reference)
+        if missed <= WANTED:
+            break
+        steps = outputs * int(np.ceil(MARGIN * steps * np.sqrt(missed / WANTED) / outputs))
+    run = lambda: rival.simulate(TIMES, steps, rho)  # noqa: E731
+    return Contender("Exudyn", f"{label}, {steps} steps", missed, run)
