@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.array import Array, block, block_diagonal, join, merged, mv, transpose
-from parflex.assembly import System, actuated_positions, assemble, diagonal, joint_position
+from parflex.assembly import System, actuated_positions, assembled, diagonal, joint_position
 from parflex.check import of_type
 from parflex.errors import InputError, NotConverged
 from parflex.robot import Robot
@@ -69,7 +69,7 @@ def check_joints(robot: Robot, state: State) -> None:
 def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
     """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        system = assemble(robot, coordinates(x, robot.layout))
+        system = assembled(robot, x)
     for leg in system.legs:
         for place, number in enumerate(leg.group.legs):
             given = joints[number]
@@ -113,7 +113,7 @@ def closed(robot: Robot, x: Array, freedom: Freedom) -> tuple[Array, Array]:
     """The flat state (…, size) moved until its gaps vanish, and the largest gap (…,) m that is left."""
 
     def gap_and_step(y: Array) -> tuple[Array, Array]:
-        system = assemble(robot, coordinates(y, robot.layout))
+        system = assembled(robot, y)
         r = gaps(system)
         return r, -least_squares(robot, closure_matrix(system), r, freedom)
 
@@ -125,7 +125,7 @@ def posed(robot: Robot, x: Array, wanted: Array) -> tuple[Array, Array]:
     slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
 
     def gap_and_step(y: Array) -> tuple[Array, Array]:
-        system = assemble(robot, coordinates(y, robot.layout))
+        system = assembled(robot, y)
         ahead = actuated_positions(robot, system) - wanted
         ahead = np.where(slides, ahead, within_half_a_turn(ahead))
         r = join([gaps(system), ahead])
@@ -168,7 +168,7 @@ def largest(r: Array) -> Array:
 
 def with_rates(robot: Robot, x: Array, freedom: Freedom) -> Array:
     """The flat state with rates corrected, as little as need be, so that the tips stay closed."""
-    system = assemble(robot, coordinates(x, robot.layout))
+    system = assembled(robot, x)
     rates = gaps(system, rate=True)
     return accelerated(robot, x, -least_squares(robot, closure_matrix(system), rates, freedom, np.inf))
 
