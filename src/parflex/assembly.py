@@ -73,6 +73,13 @@ def assembled(robot: Robot, x: Array) -> System:
     return assemble(robot, coordinates(x, robot.layout))
 
 
+def examined(robot: Robot, x: Array) -> tuple[System, Array]:
+    """As `assembled`, with its `health`, where a flat state may be none: quietly not a number there."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        system = assembled(robot, x)
+        return system, health(system)
+
+
 def by_group(robot: Robot, vectors: Array) -> list[Array]:
     """Vectors (…, k, 3) of all tips as one (…, L, t, 3) per group."""
     ends = pairwise(np.cumsum([0, *(group.attachments.size for group in robot.groups)]))
