@@ -245,12 +245,12 @@ class Model:
         output.check(self.robot.platform)
         return Compiled(self, output)
 
-    def function(self, build: Callable[..., Kernel], output: Output | None = None) -> Function:
+    def function(self, build: Callable[..., Kernel], *chosen: object) -> Function:
         """A kernel of `compiled.kernels`, compiled at first use."""
         with self._lock:
-            key = (build, output)
+            key = (build, *chosen)
             if key not in self._functions:
-                kernel = build(self.robot) if output is None else build(self.robot, output)
+                kernel = build(self.robot, *chosen)
                 self._functions[key] = self.backend.compile(kernel)
             return self._functions[key]
 

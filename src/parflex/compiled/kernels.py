@@ -11,12 +11,10 @@ from typing import Any
 import numpy as np
 
 from parflex import assembly, chain, dynamics
-from parflex.array import Array, cross, dot, join, merged, mtv, mv, stack, transpose
+from parflex.array import Array, cross, dot, join, merged, mv, stack
 from parflex.closure import flat_state
 from parflex.output import Output
-from parflex.platform import axial
 from parflex.robot import Robot
-from parflex.segment import SEGMENT, along
 from parflex.spatial import quaternion_rate
 from parflex.state import coordinates
 
@@ -101,48 +99,21 @@ def contact_matrix(robot: Robot) -> Kernel:
 
 
 def derivative(robot: Robot) -> Kernel:
-    """(x, u, w) -> ẋ, powers, health, as in `rate_of`."""
+    """(x, u, w) -> ẋ, powers, health, as in `motion_of`."""
     n, N, m, _ = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        return rate_of(robot, assembled(robot, x), x, u, w)
+        system = assembled(robot, x)
+        moved, powers, _ = motion_of(robot, system, x, u, w)
+        return moved, powers, assembly.health(system)
 
-    return Kernel("derivative", function, (n, m, 6 + N), rate_sizes(robot), (robot,))
-
-
-def tracking(robot: Robot, output: Output) -> Kernel:
-    """(x, t 1, segment 21, gains 12, w, preload) -> Γ, and `rate_of` under Γ.
-
-    The wanted motion is that of `trajectory.along`, gains are (kp 6, kd 6). The target is
-    V̇_d + kd (V_d − V) + kp e, all resolved in Σp, of which the output takes its rows; the attitude
-    error is the axial part of RᵀR_d, which for small angles is their rotation vector. Γ does not
-    know of the loads w.
-    """
-    n, N, m, _ = sizes(robot)
-
-    def function(
-        x: Array, t: Array, segment: Array, gains: Array, w: Array, preload: Array
-    ) -> tuple[Array, ...]:
-        system, wanted = assembled(robot, x), along(segment, t[..., 0])
-        now = system.x
-        R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
-        place = mtv(now.rotation, wanted.position - now.position)
-        error = join([place, 0.5 * axial(R_pd)])
-        twist, acceleration = (
-            join([mv(R_pd, part[..., :3]), mv(R_pd, part[..., 3:])])
-            for part in (wanted.twist, wanted.acceleration)
-        )
-        kp, kd = gains[..., :6], gains[..., 6:]
-        target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
-        found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output, preload)
-        return (found.forces, *rate_of(robot, system, x, found.forces, w))
-
-    inputs = (n, 1, SEGMENT, 12, 6 + N, m)
-    return Kernel("tracking", function, inputs, (m, *rate_sizes(robot)), (robot, output))
+    return Kernel("derivative", function, (n, m, 6 + N), (n, 3, assembly.health_size(robot)), (robot,))
 
 
-def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-    """ẋ, the powers of actuators, wrenches and damping (a loss), and the health."""
+def motion_of(
+    robot: Robot, system: assembly.System, x: Array, u: Array, w: Array
+) -> tuple[Array, Array, Array]:
+    """ẋ, the powers of actuators, wrenches and damping (a loss), and the contact forces by tip."""
     c = system.x
     Vd, qdd_e, f = dynamics.direct_of(robot, system, u, w)
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
@@ -158,12 +129,7 @@ def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array)
     turn = quaternion_rate(x[..., 3:7], omega)
     carried = [c.qd, assembly.carried_accelerations(robot, system, u, f)]
     moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, qdd_e, *carried])
-    return moved, join([power[..., None] for power in powers]), assembly.health(system)
-
-
-def rate_sizes(robot: Robot) -> tuple[int, int, int]:
-    """Lengths of what `rate_of` returns."""
-    return robot.layout.size, 3, assembly.health_size(robot)
+    return moved, join([power[..., None] for power in powers]), f
 
 
 def projection(robot: Robot) -> Kernel:
