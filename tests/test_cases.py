@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -396,3 +397,25 @@ def test_joints_of_a_state_name_the_branch(name):
     assert (
         relative(bare.direct(run.state(1), sample.forces[0]).platform, run.dataset.acceleration[1]) <= LIBRARY
     )
+
+
+def test_flat_models_go_from_branch_to_branch():
+    """The stored elbows, those that legs without a posture have, and some of each: against the stored
+    answer, and against models whose legs have them as postures."""
+    sample, stored = cases.case("rus6", "rigid"), cases.arrays("rus6", "rigid")
+    legs = tuple(replace(leg, posture=None) for leg in sample.robot.legs)
+    bare, forces = pf.Model(replace(sample.robot, legs=legs), "numpy"), sample.forces[0].copy()
+    state = replace(sample.states[0], joint_rates=None)
+    own = bare.legs(replace(state, joints=None)).q
+    assert all(relative(a, b) > 0.1 for a, b in zip(own, state.joints, strict=True))
+    elbows = {"stored": state.joints, "own": own, "one": (state.joints[0], *own[1:])}
+    wanted = {"stored": stored["direct_platform"][0]}
+    for which in ("own", "one"):
+        postures = tuple(replace(leg, posture=q) for leg, q in zip(legs, elbows[which], strict=True))
+        stated = pf.Model(replace(sample.robot, legs=postures), "numpy")
+        wanted[which] = stated.direct(replace(state, joints=None), forces).platform
+    assert min(relative(a, b) for a, b in combinations(wanted.values(), 2)) > 1e-3
+    flat, out = bare.compiled(sample.output), np.zeros(6)
+    for which in ("stored", "own", "stored", "one", "own", "one", "stored"):
+        flat.direct(flat.pack(replace(state, joints=elbows[which])), forces, out)
+        assert relative(out, wanted[which]) <= LIBRARY

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex import cli
+from parflex import cli, plot
 
 
 @pytest.fixture
@@ -190,3 +190,26 @@ def test_complaints_about_files_are_one_line_each(parflex, tmp_path):
     assert "platform.thicknes is not known; did you mean thickness?" in first
     assert second.startswith("robot.toml:")
     assert 'is "0.7 kg", which is not a length' in second
+
+
+def test_names_with_brackets_are_told_as_they_are(parflex, tmp_path):
+    _, out, _ = parflex("init", "[bold]mine.toml")
+    assert "parflex simulate [bold]mine.toml --trajectory [bold]mine.trajectory.toml" in out
+    for words in (("check", "[bold]mine.toml"), ("modes", "--modes", "1", "--refine", "1")):
+        code, out, err = parflex(*words, "--out", "[red]seen")
+        assert code == 0, err
+        assert "drawn in [red]seen/" in out
+    assert {path.name for path in (tmp_path / "[red]seen").iterdir()} == {"[bold]mine.png", "modes.png"}
+
+
+def test_pictures_replace_older_ones_or_leave_them(tmp_path):
+    """A folder in the place of a picture: nothing is written beside it."""
+    drawn = {name: plot.figure(1.0, 1.0) for name in ("first", "second")}
+    assert plot.save(drawn, tmp_path / "new", "svg") == [tmp_path / "new" / f"{n}.svg" for n in drawn]
+    before = (tmp_path / "new" / "first.svg").read_text()
+    assert before.startswith("<?xml")
+    (tmp_path / "new" / "second.png").mkdir()
+    with pytest.raises(pf.InputError, match=r"second.png was not written"):
+        plot.save(drawn, tmp_path / "new")
+    left = {path.name for path in (tmp_path / "new").iterdir()}
+    assert left == {"first.svg", "second.svg", "first.png", "second.png"}

@@ -253,7 +253,7 @@ def stiff(cloud):
 
 
 def test_computed_torque_beyond_a_dynamic_singularity_warns():
-    """At the start of a run, once; the inverse model warns as well."""
+    """At the start of a run, once; the inverse model warns as well, and names the line that called it."""
     model, sample = model_of("delta3", "flex", "vm"), cases.case("delta3", "flex")
     start, _ = model.static(*model.robot.home_pose)
     way = pf.Trajectory.through(start, [((0, 0, 0.01), (0, 0, 0))], 0.1)
@@ -262,8 +262,9 @@ def test_computed_torque_beyond_a_dynamic_singularity_warns():
         warnings.simplefilter("always")
         pf.simulate(model, control, start, [0.0, 1e-4, 2e-4])
     assert [w.category for w in caught] == [pf.DynamicSingularity]
-    with pytest.warns(pf.DynamicSingularity, match="see model.output_report"):
+    with pytest.warns(pf.DynamicSingularity, match="see model.output_report") as told:
         model.inverse(start, np.zeros(3), sample.output)
+    assert [w.filename for w in told] == [__file__]
 
 
 # --- zero dynamics ---

@@ -7,6 +7,7 @@ import numpy as np
 
 from parflex import assembly
 from parflex.array import Array
+from parflex.kinematics import unstacked
 from parflex.robot import Robot
 
 
@@ -73,7 +74,6 @@ def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, .
 
 def by_attachment(robot: Robot, f: Array) -> Array:
     """Contact forces (…, k, 3) by attachment, zero where no leg holds, from (…, 3 tips)."""
-    by_tip = f.reshape(f.shape[:-1] + (len(robot.tip_attachments), 3))
     count = len(robot.platform.attachments)
     chosen = np.arange(count)[:, None] == robot.tip_attachments
-    return np.einsum("at,...tc->...ac", chosen.astype(float), by_tip)
+    return np.einsum("at,...tc->...ac", chosen.astype(float), unstacked(f))

@@ -98,3 +98,12 @@ def index_of(bad: Array) -> str:
         return ""
     first = tuple(int(i) for i in np.argwhere(bad)[0])
     return f" at index {first[0] if len(first) == 1 else first}"
+
+
+def broadcast_together(**vectors: Array) -> None:
+    """The leading axes of vectors (…, n) must broadcast together."""
+    try:
+        np.broadcast_shapes(*(v.shape[:-1] for v in vectors.values()))
+    except ValueError:
+        said = ", ".join(f"{v.shape[:-1]} of {name}" for name, v in vectors.items())
+        raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None

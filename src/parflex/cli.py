@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import parflex
-from parflex.commands import check, export, init, simulate, summary
+from parflex.commands import check, export, init, save_run, simulate, tell_run
 from parflex.errors import InputError
 from parflex.terminal import (
     Backend,
@@ -89,21 +89,12 @@ def paper(
     done = section.run(
         0 if rigid else modes, frequencies, undeformed, backend, say=lambda words: step(start, words)
     )
-    step(start, "saving the result")
-    saved = done.result.save(out / "result.nc")
-    if done.result.partial:
-        console.print(f"[yellow]stopped {done.result.stopped}[/]; the result is partial")
+    save_run(done.result, out, start)
     step(start, "drawing the figures")
     pictures = section.figures(done, out, image)
     if len(done.modes.frequencies):
         console.print(frequency_table(done.modes, section.TABLE_2))
-    for note in str(done.result.dataset.attrs["notes"]).splitlines():
-        console.print(f"[yellow]note[/] {note}")
-    console.print(summary(done.result))
-    names = ", ".join(path.name for path in pictures)
-    console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
-    if done.result.partial:
-        raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+    tell_run(done.result, pictures)
 
 
 @app.command()
@@ -143,9 +134,8 @@ def modes(
     com = [round(float(first) / moments.m, 9) + 0.0 for first in moments.MS0]
     console.print(f"mass {moments.m:.4f} kg, centre of mass ({com[0]:.4g}, {com[1]:.4g}) m; {found.source}")
     if count:
-        out.mkdir(parents=True, exist_ok=True)
-        plot.mode_shapes(found).savefig(out / f"modes.{image}")
-        console.print(f"shapes drawn in [bold]{out / f'modes.{image}'}[/]")
+        [picture] = plot.save({"modes": plot.mode_shapes(found)}, out, image)
+        console.print(f"shapes drawn in [bold]{escape(str(picture))}[/]")
 
 
 @app.command()

@@ -1,5 +1,7 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
@@ -14,6 +16,7 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from parflex.array import Array
 from parflex.errors import InputError
+from parflex.files.writing import replacing
 from parflex.modes import Modes
 from parflex.result import Result
 from parflex.sketch import Sketch
@@ -21,6 +24,18 @@ from parflex.sketch import Sketch
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
 STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)))
+
+
+def save(figures: Mapping[str, Figure], folder: Path, suffix: str = "png") -> list[Path]:
+    """Write figures by name as `folder/name.suffix`, each whole or not at all; png, pdf or svg.
+
+    Raises InputError where one cannot be written.
+    """
+    paths = [folder / f"{name}.{suffix}" for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        with replacing(path) as part:
+            figure.savefig(part, format=suffix)
+    return paths
 
 
 def figure(width: float, height: float) -> Figure:

@@ -86,6 +86,11 @@ class Robot:
         return tuple(side_by_side(groups) for groups in gathered.values())
 
     @cached_property
+    def closed(self) -> bool:
+        """Whether every state is on the closure: each tip is where the platform has it by itself."""
+        return all(group.closed for group in self.groups)
+
+    @cached_property
     def layout(self) -> Layout:
         """What the flat state holds."""
         carried = [0] * len(self.legs)

@@ -136,7 +136,7 @@ class Closure:
 
     def __init__(self, model: "Model") -> None:
         self._model, self._robot = model, model.robot
-        self._open = not all(group.closed for group in model.robot.groups)
+        self._open = not model.robot.closed
         if self._open:
             function = model.function(kernels.projection)
             self._x, self._moved, self._health = (

@@ -42,3 +42,8 @@ def exact_cos_sin(angle: Array) -> tuple[Array, Array]:
     """cos and sin of constant angles, with the round-off at multiples of π/2 removed."""
     c, s = np.cos(angle), np.sin(angle)
     return np.where(np.abs(c) < 1e-15, 0.0, c), np.where(np.abs(s) < 1e-15, 0.0, s)
+
+
+def within_half_a_turn(angle: Array) -> Array:
+    """The angle in [−π, π), rad."""
+    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi

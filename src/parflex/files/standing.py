@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parflex.branches import turned
 from parflex.errors import InputError
 from parflex.model import Model
 from parflex.robot import Robot
@@ -19,9 +20,7 @@ def check_posture(robot: Robot, number: int) -> None:
     leg, q = robot.legs[number], Model(robot, "numpy").legs(robot.home).q[number]
     if leg.posture is None:
         return
-    turns = np.array([1 - joint.sigma for joint in leg.joints])
-    apart = turns * np.abs(np.remainder(q - leg.posture + np.pi, 2 * np.pi) - np.pi)
-    if np.max(apart) > FAR:
+    if np.max(turned(leg, q, np.asarray(leg.posture))) > FAR:
         raise InputError(
             f"posture is {np.round(leg.posture, 3).tolist()}, but at home leg {number + 1} has joints "
             f"{np.round(q, 3).tolist()} (m, rad), on another assembly branch; give joint values near those "
