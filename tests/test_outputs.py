@@ -14,6 +14,7 @@ import oracle
 import parflex as pf
 import zoo
 from conftest import relative
+from rewriting import reframed
 
 LIBRARY = 1e-9  # the accuracy the library promises
 
@@ -336,22 +337,16 @@ def held(sample, at, q, axes, bend, rate):
 def test_report_is_of_the_branch_that_the_joints_name():
     """Legs that carry their joints may stand otherwise than their postures: a crank folded the other way."""
     sample = cases.case("rus6", "rigid")
-    model, folded = pf.Model(carried(sample).robot, "numpy"), other_branch(sample)
+    model, folded = pf.Model(reframed(sample).robot, "numpy"), other_branch(sample)
     report = model.output_report(folded, pf.FrameOutput())
     assert np.allclose(report.state.joints[0], folded.joints[0], atol=1e-9)
     shortest = model.inverse(folded, np.zeros(6)).forces
     assert relative(report.forces, shortest) <= LIBRARY
 
 
-def carried(sample):
-    from rewriting import reframed
-
-    return reframed(sample)
-
-
 def other_branch(sample):
     """The home pose with every leg's joints on the other side, found from postures reflected at the tip."""
-    model = pf.Model(carried(sample).robot, "numpy")
+    model = pf.Model(reframed(sample).robot, "numpy")
     home = model.robot.home
     q = model.legs(home).q
     rng = np.random.default_rng(0)

@@ -8,10 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from conftest import relative
+from parflex.files.body_file import FIELDS, MOMENTS, save_body
 from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
 from parflex.files.templates import write_templates
@@ -328,6 +330,17 @@ def test_platform_files_that_fail(tmp_path):
     (tmp_path / "p.nc").write_bytes(b"no file of ours")
     with pytest.raises(pf.InputError, match=r"robot.toml:29: platform.file is p.nc, which is damaged"):
         pf.load_robot(path)
+    save_body(pf.robots.rps3(2).platform, tmp_path / "whole.nc")
+    whole = xr.load_dataset(tmp_path / "whole.nc", engine="h5netcdf")
+    for name in MOMENTS | FIELDS:
+        whole.drop_vars(name).to_netcdf(tmp_path / "p.nc", engine="h5netcdf")
+        if name in ("rotation_shapes", "triangles"):
+            assert pf.load_robot(path).platform.modes == 2
+            continue
+        with pytest.raises(
+            pf.InputError, match=rf"robot.toml:29: platform.file is p.nc, which lacks {name};"
+        ):
+            pf.load_robot(path)
 
 
 def test_expected_mobility(tmp_path):

@@ -101,12 +101,12 @@ class Model:
 
         Raises InputError where a leg has not as many joints as contact force components.
         """
-        return cartesian.cartesian(self.robot, self._system(state).x)[0]
+        return cartesian.cartesian(self.robot, self.system(state).x)[0]
 
     @on_branch
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return legs_of(self.robot, self._system(state))
+        return legs_of(self.robot, self.system(state))
 
     @on_branch
     def joint_accelerations(
@@ -215,6 +215,17 @@ class Model:
                 self._functions[key] = self.backend.compile(kernel)
             return self._functions[key]
 
+    @on_branch
+    def system(self, state: State) -> System:
+        """The mechanics at a state or a batch of them: legs, platform, closure.
+
+        Raises InputError for a state off the closure, OutOfReach and SingularPose where a leg's inverse
+        geometry fails.
+        """
+        system, health = examined(self.robot, self.flat(state))
+        singular.check_health(self.robot, health)
+        return system
+
     def of(self, state: State | None) -> "Model":
         """This model, or one on the assembly branch that the joints of a state name.
 
@@ -274,12 +285,6 @@ class Model:
                 f"{self.robot.n_forces} actuators; name as many with FrameOutput(rows=…)"
             )
         return output
-
-    def _system(self, state: State) -> System:
-        """The mechanics at a checked state."""
-        system, health = examined(self.robot, self.flat(state))
-        singular.check_health(self.robot, health)
-        return system
 
     def _moved(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]

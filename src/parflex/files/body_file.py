@@ -34,6 +34,7 @@ FIELDS = {
     "attachments": (("attachment",), "1", "node numbers from 0 that legs may hold"),
     "triangles": (("triangle", "corner"), "1", "surface, node numbers from 0"),
 }
+OPTIONAL = ("rotation_shapes", "triangles")
 
 
 def save_body(body: FlexibleBody, path: Path) -> None:
@@ -62,6 +63,9 @@ def load_body(path: Path) -> FlexibleBody:
         raise InputError(f"file is {path.name}, which is damaged or no NetCDF-4 file") from None
     if data.attrs.get("format") != FORMAT:
         raise InputError(f"file is {path.name}, which holds no platform of format {FORMAT!r}")
+    missing = [name for name in MOMENTS | FIELDS if name not in data and name not in OPTIONAL]
+    if missing:
+        raise InputError(f"file is {path.name}, which lacks {', '.join(missing)}; write it again")
     found = {name: data[name].values if name in data else None for name in MOMENTS | FIELDS}
     return body_of(path.name, found)
 
