@@ -170,7 +170,7 @@ def test_leg_models(which):
 def test_energies(which):
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
     system = numpy_model.system(cases.case(*which).states)
-    kinetic, *potential = energies(numpy_model.robot, system.x)
+    kinetic, *potential = energies(numpy_model.robot, system)
     errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
     if "potential_energy" in stored:
         errors["potential"] = relative(sum(potential), stored["potential_energy"])

@@ -41,6 +41,9 @@ class LegTerms(NamedTuple):
     gap: Array  # (…, L, 3t), from the platform's points to the tips; zero for closed legs
     gap_rate: Array  # (…, L, 3t)
     margins: tuple[Array, Array]  # (…, L)
+    R_ip: Array  # (…, L, 1, 3, 3), axes of Σp in Σ0i
+    place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
+    velocity: Array  # (…, L, t, 3)
 
 
 class System(NamedTuple):
@@ -123,6 +126,9 @@ def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, place: Array, v: Ar
         gap=np.concatenate(gap, axis=-1),
         gap_rate=mv(by_tip, qd) - merged(v),
         margins=group.type.margins(group, joints, place),
+        R_ip=R_ip,
+        place=place,
+        velocity=velocity,
     )
 
 

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,9 +12,11 @@ from numpy.typing import ArrayLike
 from parflex import singular
 from parflex.array import Array, Given
 from parflex.check import finite, of_type
-from parflex.compiled import kernels
+from parflex.compiled import kernels, motions
+from parflex.compiled.kernels import Kernel
 from parflex.errors import InputError
-from parflex.output import FrameOutput
+from parflex.loads import Loads, at_times
+from parflex.output import FrameOutput, Output
 from parflex.state import State
 from parflex.trajectory import Trajectory
 
@@ -22,44 +24,77 @@ if TYPE_CHECKING:
     from parflex.model import Model
 
 
-class Law(ABC):
-    """A controller bound to a model, on flat vectors, for one simulation."""
+class Motion(NamedTuple):
+    """What a law did at times (T,): all rows (T, …)."""
 
-    @abstractmethod
-    def __call__(self, t: float, x: Array) -> Array:
-        """Forces (m,) for the flat state; what acts on the platform from outside is not known."""
+    forces: Array  # Γ (T, m)
+    rate: Array  # ẋ (T, size)
+    contact: Array  # contact forces by tip (T, 3k)
+    load: Array  # external generalised forces (T, 6 + N)
 
-    @abstractmethod
-    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
-        """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the
-        external generalised force w (6 + N,)."""
+
+class Law:
+    """A controller bound to a model and the loads on its platform, on flat vectors, for one simulation.
+
+    The law and the motion it causes are one kernel of `compiled.motions`. What the kernel reads of
+    the law is a row of a table: that of the last of the times `starts` that has passed.
+    """
+
+    def __init__(
+        self, model: "Model", loads: Loads, build: Callable[..., Kernel], rows: Array, starts: ArrayLike = (),
+        *chosen: Output,
+    ) -> None:  # fmt: skip
+        self.function = model.function(build, *chosen, loads.places)
+        self.loads, self.rows = loads, np.atleast_2d(rows)
+        self.starts = np.concatenate([[-np.inf], np.asarray(starts, dtype=float)])
+        self.inputs = [np.zeros(n) for n in self.function.kernel.inputs]
+        self.inputs[4][:] = loads.pushes
+        self.results = [np.zeros(n) for n in self.function.kernel.outputs]
+        self._run = self.function.bind(self.inputs, self.results)
+        self.robot, self._later = model.robot, self.starts[1:].tolist()
+
+    @property
+    def alone(self) -> bool:
+        """Whether forces and loads are known without calling anybody."""
+        return self.loads.steady
+
+    def row(self, t: float, x: Array) -> Array:
+        """What the kernel reads of the law at a time and flat state."""
+        found: Array = self.rows[bisect_right(self._later, t)]
+        return found
+
+    def rate(self, t: float, x: Array) -> tuple[Array, Array]:
+        """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the loads.
+
+        Raises as `Model.direct` where a leg's inverse geometry fails.
+        """
+        own_x, own_t, own_row, own_w, _ = self.inputs
+        own_row[:] = self.row(t, x)
+        own_x[:], own_t[0], own_w[:] = x, t, self.loads(t, x)
+        self._run()
+        _, moved, powers, _, health = self.results
+        singular.check_legs(self.robot, health)
+        return moved, powers
+
+    def forces(self, t: float, x: Array) -> Array:
+        """Γ (m,) at a time and flat state."""
+        self.rate(t, x)
+        return self.results[0].copy()
+
+    def at(self, t: Array, x: Array) -> Motion:
+        """Forces and motion at times (T,) and flat states (T, size); not numbers where they fail."""
+        rows = at_times(self.row, t, x, self.rows.shape[1])
+        applied = self.loads.at(t, x)
+        u, moved, _, f, _ = self.function.each(x, t[:, None], rows, applied, self.loads.pushes)
+        return Motion(u, moved, f, applied + self.loads.constant(x))
 
     def watch(self, x: Array) -> None:
-        """Raise SingularPose where the motion that has led to a flat state crossed a singularity."""
+        """Raise SingularPose where a motion through flat states (T, size) crossed a singularity."""
         return
 
     def explain(self) -> str:
         """Why the motion may have failed after the last call; empty where the law knows nothing."""
         return ""
-
-
-class Driven(Law):
-    """A law that gives forces only; the direct model turns them into motion."""
-
-    def __init__(self, model: "Model") -> None:
-        function = model.function(kernels.derivative)
-        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
-        self._results = [np.zeros(n) for n in function.kernel.outputs]
-        self._run = function.bind(self._inputs, self._results)
-        self._robot = model.robot
-
-    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
-        for own, given in zip(self._inputs, (x, self(t, x), w), strict=True):
-            own[:] = given
-        self._run()
-        moved, powers, health = self._results
-        singular.check_legs(self._robot, health)
-        return moved, powers
 
 
 class Controller(ABC):
@@ -68,8 +103,8 @@ class Controller(ABC):
     trajectory: Trajectory | None = None  # what the platform is to follow, for the record
 
     @abstractmethod
-    def bind(self, model: "Model") -> Law:
-        """The law on flat vectors, for one simulation."""
+    def bind(self, model: "Model", loads: Loads) -> Law:
+        """The law on flat vectors under loads, for one simulation."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,39 +148,23 @@ class ComputedTorque(Controller):
 
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
-        return self.bind(self.model)(t, self.model.flat(state))
+        return self.bind(self.model, Loads(self.model, ())).forces(t, self.model.flat(state))
 
-    def bind(self, model: "Model") -> Law:
+    def bind(self, model: "Model", loads: Loads) -> Law:
         same_model(self.model, model)
-        return Tracking(model, self)
+        return Tracking(model, loads, self)
 
 
 class Tracking(Law):
-    """Computed torque: inverse and direct model in one kernel, on buffers of its own."""
+    """Computed torque, which looks out for singularities of its output."""
 
-    def __init__(self, model: "Model", control: ComputedTorque) -> None:
-        function = model.function(kernels.tracking, control.output)
-        self._inputs = [np.zeros(n) for n in function.kernel.inputs]
-        self._results = [np.zeros(n) for n in function.kernel.outputs]
-        self._run = function.bind(self._inputs, self._results)
-        self._inputs[3][:] = np.concatenate([np.zeros(6) + control.kp, np.zeros(6) + control.kd])
-        self._inputs[5][:] = control.preload
-        self._robot, way = model.robot, control.trajectory
-        self._starts, self._segments = way.starts.tolist(), way.segments
+    def __init__(self, model: "Model", loads: Loads, control: ComputedTorque) -> None:
+        way, m = control.trajectory, model.robot.n_forces
+        constant = np.concatenate([np.zeros(6) + part for part in (control.kp, control.kd)])
+        constant = np.concatenate([constant, np.zeros(m) + control.preload])
+        rows = np.hstack([way.segments, np.tile(constant, (len(way.segments), 1))])
+        super().__init__(model, loads, motions.tracking, rows, way.starts[1:], control.output)
         self._watch = singular.Watch(model, control.output)
-
-    def __call__(self, t: float, x: Array) -> Array:
-        self.rate(t, x, np.zeros_like(self._inputs[4]))
-        return self._results[0]
-
-    def rate(self, t: float, x: Array, w: Array) -> tuple[Array, Array]:
-        own_x, own_t, segment, _, own_w, _ = self._inputs
-        _, moved, powers, health = self._results
-        own_x[:], own_t[0], own_w[:] = x, t, w
-        segment[:] = self._segments[bisect_right(self._starts, t) - 1]
-        self._run()
-        singular.check_legs(self._robot, health)
-        return moved, powers
 
     def watch(self, x: Array) -> None:
         self._watch.look(x)
@@ -180,61 +199,30 @@ class JointPD(Controller):
                 raise InputError(f"JointPD.{name} has shape {value.shape}; give one value, or ({m},)")
             object.__setattr__(self, name, value)
 
-    def bind(self, model: "Model") -> Law:
+    def bind(self, model: "Model", loads: Loads) -> Law:
         same_model(self.model, model)
-        return Springs(model, self)
+        wanted = model.function(kernels.actuators)(model.flat(self.reference))[0]
+        constant = [np.zeros(len(wanted)) + part for part in (self.forces, self.kp, self.kd)]
+        return Law(model, loads, motions.springs, np.concatenate([*constant, wanted]))
 
 
-class Springs(Driven):
-    """Joint springs and dampers on buffers of their own."""
-
-    def __init__(self, model: "Model", control: JointPD) -> None:
-        super().__init__(model)
-        function = model.function(kernels.actuators)
-        self._x = np.zeros(function.kernel.inputs[0])
-        self._q, self._qd = (np.zeros(n) for n in function.kernel.outputs)
-        self._trigger = function.bind([self._x], [self._q, self._qd])
-        self._control = control
-        self._x[:] = model.flat(control.reference)
-        self._trigger()
-        self._wanted = self._q.copy()
-        joints = [joint for leg in model.robot.legs for joint in leg.joints if joint.mu]
-        self._turn = np.array([0.0 if joint.sigma else 2 * np.pi for joint in joints])
-        self._turns = np.array([0.0 if joint.sigma else 1 / (2 * np.pi) for joint in joints])
-
-    def __call__(self, t: float, x: Array) -> Array:
-        self._x[:] = x
-        self._trigger()
-        c = self._control
-        ahead = self._wanted - self._q
-        ahead = ahead - self._turn * np.round(ahead * self._turns)  # angles are known up to full turns
-        return c.forces + c.kp * ahead - c.kd * self._qd
-
-
-class Called(Driven):
+class Called(Law):
     """A caller's function (t, state) -> forces (m,)."""
 
-    def __init__(self, model: "Model", function: Callable[[float, State], ArrayLike]) -> None:
-        super().__init__(model)
+    def __init__(self, model: "Model", loads: Loads, function: Callable[[float, State], ArrayLike]) -> None:
+        super().__init__(model, loads, motions.steady, np.zeros(model.robot.n_forces))
         self._function, self._state = function, model.state
 
-    def __call__(self, t: float, x: Array) -> Array:
+    @property
+    def alone(self) -> bool:
+        return False
+
+    def row(self, t: float, x: Array) -> Array:
         found = finite("controller(t, state)", self._function(t, self._state(x)))
-        m = self._robot.n_forces
+        m = self.robot.n_forces
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
         return found
-
-
-class Constant(Driven):
-    """The same forces (m,) at all times."""
-
-    def __init__(self, model: "Model", forces: Array) -> None:
-        super().__init__(model)
-        self._forces = forces
-
-    def __call__(self, t: float, x: Array) -> Array:
-        return self._forces
 
 
 def same_model(own: "Model", simulated: "Model") -> None:
@@ -246,17 +234,17 @@ def same_model(own: "Model", simulated: "Model") -> None:
         )
 
 
-def as_law(model: "Model", given: Any) -> Law:
+def as_law(model: "Model", given: Any, loads: Loads) -> Law:
     """The law of a controller, of given forces (m,), or of a callable (t, state) -> forces."""
     m = model.robot.n_forces
     if isinstance(given, Controller):
-        return given.bind(model)
+        return given.bind(model, loads)
     if callable(given):
-        return Called(model, given)
+        return Called(model, loads, given)
     constant = finite("forces_or_controller", given)
     if constant.shape != (m,):
         raise InputError(
             f"forces_or_controller has shape {constant.shape}; give forces ({m},), a Controller, or "
             f"a function (t, state) -> forces ({m},)"
         )
-    return Constant(model, constant)
+    return Law(model, loads, motions.steady, constant)

@@ -2,25 +2,25 @@
 
 import numpy as np
 
-from parflex import assembly, chain
+from parflex import chain
 from parflex.array import Array, dot, mtv, mv
+from parflex.assembly import System
 from parflex.platform import body_energies
 from parflex.robot import Robot
-from parflex.state import Coordinates
 
 
-def energies(robot: Robot, x: Coordinates) -> tuple[Array, Array, Array, Array]:
+def energies(robot: Robot, system: System) -> tuple[Array, Array, Array, Array]:
     """Kinetic (rotors included), gravitational (zero at the world's origin), strain energy, and that
     of the joints' springs, J.
 
     For a state or a batch of them: (…,) each.
     """
-    gravity, body = np.asarray(robot.gravity), robot.platform
+    gravity, body, x = np.asarray(robot.gravity), robot.platform, system.x
     kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
     moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
     weight = -dot(gravity, body.tables.m * x.position + mv(x.rotation, moment))
     springs = np.zeros(())
-    for leg in assembly.assemble(robot, x).legs:
+    for leg in system.legs:
         group = leg.group
         kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)
         in_base = mtv(group.rotation, gravity)

@@ -203,15 +203,15 @@ class Model:
         """
         return Compiled(self, self._output(output))
 
-    def function(self, build: Callable[..., Kernel], output: Output | None = None) -> Function:
-        """What `build`, of `compiled.kernels`, makes of the robot, and of the output if it takes one.
+    def function(self, build: Callable[..., Kernel], *chosen: object) -> Function:
+        """What `build`, of `compiled.kernels` or `motions`, makes of the robot and of what else it takes.
 
         A function of flat float arrays (…, n_i), compiled by the backend at first use and kept.
         """
         with self._lock:
-            key = (build, output)
+            key = (build, *chosen)
             if key not in self._functions:
-                kernel = build(self.robot) if output is None else build(self.robot, output)
+                kernel = build(self.robot, *chosen)
                 self._functions[key] = self.backend.compile(kernel)
             return self._functions[key]
 

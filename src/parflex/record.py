@@ -9,17 +9,17 @@ import xarray as xr
 import parflex
 from parflex.answers import by_attachment, legs_of
 from parflex.array import Array, mtv, mv
-from parflex.assembly import assemble
-from parflex.body import FlexibleBody
+from parflex.assembly import System, assemble
 from parflex.energy import energies
 from parflex.kinematics import position_in_world
-from parflex.result import FORMAT, Result
+from parflex.result import FORMAT
 from parflex.robot import Robot
 from parflex.sketch import leg_paths
 from parflex.state import Layout, coordinates
 from parflex.trajectory import Trajectory
 
 if TYPE_CHECKING:
+    from parflex.control import Motion
     from parflex.model import Model
     from parflex.simulation import Run
 
@@ -32,18 +32,18 @@ ACCELERATION_UNITS = "m s-2, rad s-2"
 def record(
     model: "Model",
     run: "Run",
-    u: Array,
-    w: Array,
+    motion: "Motion",
     trajectory: Trajectory | None,
     settings: dict[str, Any],
-) -> Result:
-    """The dataset of an integrated run with its forces (T, m) and external loads (T, 6 + N)."""
-    robot, body = model.robot, model.robot.platform
+) -> xr.Dataset:
+    """The dataset of an integrated run and of what its law did."""
+    robot = model.robot
+    system = assemble(robot, coordinates(run.x, robot.layout))
     found: Variables = {}
     found |= motion_variables(run, robot.layout)
-    found |= dynamic_variables(model, run, u, w)
-    found |= geometry_variables(model, run)
-    found |= energy_variables(model, run)
+    found |= dynamic_variables(robot, run, motion)
+    found |= geometry_variables(robot, run, system)
+    found |= energy_variables(robot, run, system)
     if trajectory is not None:
         found |= wanted_variables(run, trajectory, found["acceleration"][1])
     attributes = {
@@ -57,8 +57,7 @@ def record(
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",
         **settings,
     }
-    dataset = dataset_of(found, run.t, body, attributes)
-    return Result(dataset.assign_coords(actuator_name=("actuator", actuator_names(robot))))
+    return dataset_of(found, run.t, robot, attributes)
 
 
 def actuator_names(robot: Robot) -> list[str]:
@@ -88,23 +87,24 @@ def beyond_limits(robot: Robot, joints: Array) -> str:
     return "\n".join(lines)
 
 
-def dataset_of(found: Variables, t: Array, body: FlexibleBody, attributes: dict[str, Any]) -> xr.Dataset:
+def dataset_of(found: Variables, t: Array, robot: Robot, attributes: dict[str, Any]) -> xr.Dataset:
     """Variables with their dimensions labelled."""
     coords: dict[str, Any] = {
         "time": ("time", t, {"units": "s", "long_name": "time"}),
         "axis": list("xyz"),
         "component": ["x", "y", "z", "rx", "ry", "rz"],
-        "mode": np.arange(1, body.modes + 1),
+        "mode": np.arange(1, robot.platform.modes + 1),
+        "actuator_name": ("actuator", actuator_names(robot)),
     }
     variables = {
         name: (dims, values, {"units": units, "long_name": words})
         for name, (dims, values, units, words) in found.items()
     }
-    dataset = xr.Dataset(variables, coords, attributes)
-    for dim in ("leg", "actuator", "attachment"):
-        if dim in dataset.sizes:
-            dataset = dataset.assign_coords({dim: np.arange(1, dataset.sizes[dim] + 1)})
-    return dataset
+    sizes = {
+        dim: n for dims, values, _, _ in found.values() for dim, n in zip(dims, values.shape, strict=True)
+    }
+    coords |= {dim: np.arange(1, sizes[dim] + 1) for dim in ("leg", "actuator", "attachment") if dim in sizes}
+    return xr.Dataset(variables, coords, attributes)
 
 
 def motion_variables(run: "Run", layout: Layout) -> Variables:
@@ -129,15 +129,14 @@ def motion_variables(run: "Run", layout: Layout) -> Variables:
     }
 
 
-def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variables:
-    """Forces, and the direct model at every output time."""
-    from parflex.compiled import kernels
-    from parflex.compiled.reference import NumpyFunction
-
-    direct = NumpyFunction(kernels.direct(model.robot))  # for one batch, tracing would cost more
-    Vd, qdd_e, f, _ = direct(run.x, u, w)
+def dynamic_variables(robot: Robot, run: "Run", motion: "Motion") -> Variables:
+    """Forces, accelerations and contact forces at every output time."""
+    N, twist = robot.platform.modes, run.x[:, 7:13]
+    Vd = motion.rate[:, 7:13].copy()
+    Vd[:, :3] += np.cross(twist[:, 3:], twist[:, :3])
+    qdd_e = motion.rate[:, 13 + N : 13 + 2 * N]
     return {
-        "forces": (("time", "actuator"), u, actuator_units(model.robot), "actuator forces"),
+        "forces": (("time", "actuator"), motion.forces, actuator_units(robot), "actuator forces"),
         "acceleration": (
             ("time", "component"),
             Vd,
@@ -147,18 +146,16 @@ def dynamic_variables(model: "Model", run: "Run", u: Array, w: Array) -> Variabl
         "elastic_acceleration": (("time", "mode"), qdd_e, "kg0.5 m s-2", "elastic accelerations"),
         "contact_forces": (
             ("time", "attachment", "axis"),
-            by_attachment(model.robot, f),
+            by_attachment(robot, motion.contact),
             "N",
             "forces of the legs on the platform, in platform axes",
         ),
     }
 
 
-def geometry_variables(model: "Model", run: "Run") -> Variables:
+def geometry_variables(robot: Robot, run: "Run", system: System) -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
-    robot, body = model.robot, model.robot.platform
-    c = coordinates(run.x, robot.layout)
-    system = assemble(robot, c)
+    body, c = robot.platform, system.x
     legs, paths = legs_of(robot, system), leg_paths(system)
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
@@ -238,9 +235,9 @@ def side_by_side(values: Sequence[Array], count: int) -> Array:
     return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
 
 
-def energy_variables(model: "Model", run: "Run") -> Variables:
+def energy_variables(robot: Robot, run: "Run", system: System) -> Variables:
     """The ledger: energies, works, and the residual of their balance."""
-    kinetic, gravity, strain, springs = energies(model.robot, coordinates(run.x, model.robot.layout))
+    kinetic, gravity, strain, springs = energies(robot, system)
     actuators, wrenches, dissipated = run.works.T
     stored = kinetic + gravity + strain + springs
     residual = stored - stored[0] + dissipated - actuators - wrenches

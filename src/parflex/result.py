@@ -1,6 +1,8 @@
 """What a simulation leaves: a labelled dataset, saved as NetCDF-4."""
 
 import os
+from collections.abc import Callable
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -17,18 +19,19 @@ FORMAT = "parflex-result-1"
 class Result:
     """A run: `dataset` (xarray), whether it is `partial`, and why it `stopped`."""
 
-    def __init__(self, dataset: xr.Dataset) -> None:
-        self.dataset = dataset
+    def __init__(self, make: Callable[[], xr.Dataset], stopped: str) -> None:
+        self._make = make
+        self.stopped = stopped  # why the run ended early; empty where it did not
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The run with labels and units; put together at the first look."""
+        return self._make()
 
     @property
     def partial(self) -> bool:
         """Whether the run ended before its last output time."""
-        return bool(self.dataset.attrs["partial"])
-
-    @property
-    def stopped(self) -> str:
-        """Why it ended early; empty where it did not."""
-        return str(self.dataset.attrs["stopped"])
+        return bool(self.stopped)
 
     def state(self, index: int) -> State:
         """The state at an output time, with the legs' joints."""
@@ -69,4 +72,4 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             f"{path} is no result of this version of parflex (format "
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
         )
-    return Result(dataset)
+    return Result(lambda: dataset, str(dataset.attrs["stopped"]))

@@ -203,35 +203,35 @@ class Watch:
 
     def __init__(self, model: "Model", output: Output) -> None:
         self._robot, self._output = model.robot, output
-        function = model.function(kernels.gains, output)
-        self._x = np.zeros(function.kernel.inputs[0])
-        both = np.zeros((2, *function.kernel.outputs[:1]))
-        self._gains = both.reshape(2, output.size, model.robot.n_forces)  # flexible, rigid
-        self._run = function.bind([self._x], list(both))
+        self._function = model.function(kernels.gains, output)
         self._start: Array | None = None
+        self._last = np.zeros(0)  # gains, flexible and rigid, (2, o, m)
 
     def look(self, x: Array) -> None:
-        """Raise SingularPose where the motion has crossed a singularity since the first look."""
-        self._x[:] = x
-        self._run()
+        """Raise SingularPose where a motion through flat states (T, size) has crossed a singularity
+        since the first look."""
+        shape = (2, len(x), self._output.size, self._robot.n_forces)
+        gains = np.array(self._function.each(x)).reshape(shape)
+        self._last = gains[:, -1]
         if self._start is None:
-            self._start = self._gains.copy()
-            if check_gain(self._robot, self._output, x, *(gain.reshape(-1) for gain in self._start)):
+            self._start = gains[:, 0]
+            if check_gain(self._robot, self._output, x[0], *(gain.reshape(-1) for gain in self._start)):
                 warnings.warn(beyond_words(np.array(True)), DynamicSingularity, stacklevel=4)
-        flexible, rigid = np.linalg.det(self._gains @ transpose(self._start))
-        if rigid < 0:
-            raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
-        if flexible < 0:
-            raise SingularPose(
-                "the motion has crossed a dynamic singularity: the determinant of ∂V̇_p/∂Γ changed sign"
-            )
+        flexible, rigid = np.linalg.det(gains @ transpose(self._start)[:, None])
+        for i in range(len(x)):
+            if rigid[i] < 0:
+                raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
+            if flexible[i] < 0:
+                raise SingularPose(
+                    "the motion has crossed a dynamic singularity: the determinant of ∂V̇_p/∂Γ changed sign"
+                )
 
     def explain(self) -> str:
         """Whether the motion has run into a singularity without crossing it."""
         if self._start is None:
             return ""
         scale = self._output.lengths(size_of(self._robot))[:, None]
-        (flexible, rigid), (flexible_0, rigid_0) = scale * self._gains, scale * self._start
+        (flexible, rigid), (flexible_0, rigid_0) = scale * self._last, scale * self._start
         now, start, kind = ratio(rigid), ratio(rigid_0), "parallel"
         if now > 0.05 * start:
             now, start, kind = ratio(flexible), ratio(flexible_0), "dynamic"

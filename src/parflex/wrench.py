@@ -1,15 +1,34 @@
 """External wrenches on platform nodes, as generalised forces W_a (F, N)."""
 
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, mtv, mv
+from parflex.array import Array, join, mtv, mv
 from parflex.body import FlexibleBody
 from parflex.check import all_of_type, of_type
 from parflex.errors import InputError
 from parflex.kinematics import node_wrench_map
 from parflex.state import State, Wrench, elastic_vector
+
+
+class Place(NamedTuple):
+    """Where a wrench acts, and in which axes it is given."""
+
+    node: int
+    in_world: bool
+
+
+def pushed(body: FlexibleBody, places: Sequence[Place], pushes: Array, rotation: Array, q_e: Array) -> Array:
+    """Σ W_a (F, N): (…, 6 + N), in Σp, of wrenches (F, N) side by side in pushes (…, 6 L)."""
+    total = np.zeros(6 + body.modes)
+    for i, place in enumerate(places):
+        parts = [pushes[..., 6 * i : 6 * i + 3], pushes[..., 6 * i + 3 : 6 * i + 6]]
+        if place.in_world:
+            parts = [mtv(rotation, part) for part in parts]
+        total = total + mv(node_wrench_map(body, place.node, q_e), join(parts))
+    return total
 
 
 def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrench]) -> Array:
@@ -18,27 +37,36 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
     Raises InputError for an unknown node, and for a moment on a body without rotation shapes.
     """
     of_type("state", state, State)
-    total = np.zeros(6 + body.modes)
     q_e = elastic_vector("elastic", state.elastic, body.modes)
     check_axes(state, all_of_type("wrenches", wrenches, Wrench))
+    check_nodes(body, wrenches)
+    return pushed(body, places_of(wrenches), pushes_of(wrenches), np.asarray(state.rotation), q_e)
+
+
+def places_of(wrenches: Sequence[Wrench]) -> tuple[Place, ...]:
+    """Where the wrenches act."""
+    return tuple(Place(wrench.node, wrench.frame == "world") for wrench in wrenches)
+
+
+def pushes_of(wrenches: Sequence[Wrench]) -> Array:
+    """(F, N) of the wrenches side by side, (…, 6 L)."""
+    return join(
+        [np.zeros(0), *(np.asarray(part) for wrench in wrenches for part in (wrench.force, wrench.moment))]
+    )
+
+
+def check_nodes(body: FlexibleBody, wrenches: Sequence[Wrench]) -> None:
+    """Raise InputError for an unknown node, and for a moment on a body without rotation shapes."""
     for number, wrench in enumerate(wrenches):
         if not 0 <= wrench.node < len(body.nodes):
             raise InputError(
                 f"wrenches[{number}].node is {wrench.node}; the platform has nodes 0 … {len(body.nodes) - 1}"
             )
-        force, moment = np.asarray(wrench.force), np.asarray(wrench.moment)
-        if body.modes and body.rotation_shapes is None and np.any(moment):
+        if body.modes and body.rotation_shapes is None and np.any(wrench.moment):
             raise InputError(
                 f"wrenches[{number}] is a moment, but the platform has no rotation shapes; give "
                 f"rotation_shapes to the body, or apply a pair of forces"
             )
-        if wrench.frame == "world":
-            R = np.asarray(state.rotation)
-            force, moment = mtv(R, force), mtv(R, moment)
-        batch = np.broadcast_shapes(force.shape[:-1], moment.shape[:-1])
-        both = [np.broadcast_to(part, batch + (3,)) for part in (force, moment)]
-        total = total + mv(node_wrench_map(body, wrench.node, q_e), np.concatenate(both, axis=-1))
-    return total
 
 
 def check_axes(state: State, wrenches: Sequence[Wrench]) -> None:

@@ -11,14 +11,11 @@ from typing import Any
 import numpy as np
 
 from parflex import assembly, chain, dynamics
-from parflex.array import Array, cross, dot, join, merged, mtv, mv, stack, transpose
+from parflex.array import Array, cross, dot, join, merged, mv, stack
 from parflex.closure import flat_state
 from parflex.output import Output
-from parflex.platform import axial
 from parflex.robot import Robot
-from parflex.segment import SEGMENT, along
 from parflex.spatial import quaternion_rate
-from parflex.state import coordinates
 
 
 @dataclass(frozen=True)
@@ -43,17 +40,12 @@ class Kernel:
         return [x, *(rng.normal(size=(count, n)) for n in self.inputs[1:])]
 
 
-def assembled(robot: Robot, x: Array) -> assembly.System:
-    """The robot at a flat state."""
-    return assembly.assemble(robot, coordinates(x, robot.layout))
-
-
 def direct(robot: Robot) -> Kernel:
     """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, health."""
     n, N, m, k = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         return (*dynamics.direct_of(robot, system, u, w), assembly.health(system))
 
     return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)), (robot,))
@@ -64,7 +56,7 @@ def inverse(robot: Robot, output: Output) -> Kernel:
     n, N, m, k = sizes(robot)
 
     def function(x: Array, target: Array, w: Array, preload: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         found = dynamics.inverse_of(robot, system, target, w, output, preload)
         return (found.forces, *found.acceleration, merged(found.gain), assembly.health(system))
 
@@ -82,7 +74,7 @@ def gains(robot: Robot, output: Output) -> Kernel:
     n, _, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        flexible, rigid = dynamics.gains(robot, assembled(robot, x), output)
+        flexible, rigid = dynamics.gains(robot, assembly.assembled(robot, x), output)
         return merged(flexible), merged(rigid)
 
     return Kernel("gains", function, (n,), (output.size * m, output.size * m), (robot, output))
@@ -94,55 +86,28 @@ def contact_matrix(robot: Robot) -> Kernel:
     kept = robot.rows.kept
 
     def function(x: Array) -> tuple[Array, ...]:
-        C = dynamics.contact_system(robot, assembled(robot, x), np.zeros(6 + N)).C
+        C = dynamics.contact_system(robot, assembly.assembled(robot, x), np.zeros(6 + N)).C
         return (merged(C[..., kept, :][..., kept]),)
 
     return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,), (robot,))
 
 
 def derivative(robot: Robot) -> Kernel:
-    """(x, u, w) -> ẋ, powers, health, as in `rate_of`."""
+    """(x, u, w) -> ẋ, powers, health, as in `motion_of`."""
     n, N, m, _ = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        return rate_of(robot, assembled(robot, x), x, u, w)
+        system = assembly.assembled(robot, x)
+        moved, powers, _ = motion_of(robot, system, x, u, w)
+        return moved, powers, assembly.health(system)
 
-    return Kernel("derivative", function, (n, m, 6 + N), rate_sizes(robot), (robot,))
-
-
-def tracking(robot: Robot, output: Output) -> Kernel:
-    """(x, t 1, segment 21, gains 12, w, preload) -> Γ, and `rate_of` under Γ.
-
-    The wanted motion is that of `trajectory.along`, gains are (kp 6, kd 6). The target is
-    V̇_d + kd (V_d − V) + kp e, all resolved in Σp, of which the output takes its rows; the attitude
-    error is the axial part of RᵀR_d, which for small angles is their rotation vector. Γ does not
-    know of the loads w.
-    """
-    n, N, m, _ = sizes(robot)
-
-    def function(
-        x: Array, t: Array, segment: Array, gains: Array, w: Array, preload: Array
-    ) -> tuple[Array, ...]:
-        system, wanted = assembled(robot, x), along(segment, t[..., 0])
-        now = system.x
-        R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
-        place = mtv(now.rotation, wanted.position - now.position)
-        error = join([place, 0.5 * axial(R_pd)])
-        twist, acceleration = (
-            join([mv(R_pd, part[..., :3]), mv(R_pd, part[..., 3:])])
-            for part in (wanted.twist, wanted.acceleration)
-        )
-        kp, kd = gains[..., :6], gains[..., 6:]
-        target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
-        found = dynamics.inverse_of(robot, system, target, np.zeros(6 + N), output, preload)
-        return (found.forces, *rate_of(robot, system, x, found.forces, w))
-
-    inputs = (n, 1, SEGMENT, 12, 6 + N, m)
-    return Kernel("tracking", function, inputs, (m, *rate_sizes(robot)), (robot, output))
+    return Kernel("derivative", function, (n, m, 6 + N), (n, 3, assembly.health_size(robot)), (robot,))
 
 
-def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-    """ẋ, the powers of actuators, wrenches and damping (a loss), and the health."""
+def motion_of(
+    robot: Robot, system: assembly.System, x: Array, u: Array, w: Array
+) -> tuple[Array, Array, Array]:
+    """ẋ, the powers of actuators, wrenches and damping (a loss), and the contact forces by tip."""
     c = system.x
     Vd, qdd_e, f = dynamics.direct_of(robot, system, u, w)
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
@@ -158,12 +123,7 @@ def rate_of(robot: Robot, system: assembly.System, x: Array, u: Array, w: Array)
     turn = quaternion_rate(x[..., 3:7], omega)
     carried = [c.qd, assembly.carried_accelerations(robot, system, u, f)]
     moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, qdd_e, *carried])
-    return moved, join([power[..., None] for power in powers]), assembly.health(system)
-
-
-def rate_sizes(robot: Robot) -> tuple[int, int, int]:
-    """Lengths of what `rate_of` returns."""
-    return robot.layout.size, 3, assembly.health_size(robot)
+    return moved, join([power[..., None] for power in powers]), f
 
 
 def projection(robot: Robot) -> Kernel:
@@ -174,7 +134,7 @@ def projection(robot: Robot) -> Kernel:
     n, N, _, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         contact = dynamics.contact_system(robot, system, np.zeros(6 + N))
         gap = join([np.zeros(0), *(merged(leg.gap) for leg in system.legs)])
         gap_rate = join([np.zeros(0), *(merged(leg.gap_rate) for leg in system.legs)])
@@ -196,7 +156,7 @@ def actuators(robot: Robot) -> Kernel:
     n, _, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
 
     return Kernel("actuators", function, (n,), (m, m), (robot,))

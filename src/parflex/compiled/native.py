@@ -32,10 +32,9 @@ class Code:
 
     def __init__(self, entry: store.Entry, lanes: int) -> None:
         self.lanes = lanes
-        self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
-        self._engine.add_object_file(llvm.object_file.ObjectFileRef.from_data(entry.code))
-        self._engine.finalize_object()
-        self.run = Run(self._engine.get_function_address("run"))
+        self._engine = engine(entry.code)
+        self.address = self._engine.get_function_address("run")
+        self.run = Run(self.address)
         self.sound = self._agrees(entry)
 
     def _agrees(self, entry: store.Entry) -> bool:
@@ -58,11 +57,23 @@ class NativeFunction(Function):
         self._wide: Code | None = None
         self._lock = threading.Lock()
 
+    @property
+    def address(self) -> int:
+        """Of `run(pointers, start, blocks)`, a block being one row."""
+        found: int = self._one.address
+        return found
+
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         batch, rows = flat_batch(self.kernel, inputs)
-        count = rows[0].shape[0]
+        return self._run(self._for(len(rows[0])), batch, rows)
+
+    def each(self, *inputs: Array) -> tuple[Array, ...]:
+        return self._run(self._one, *flat_batch(self.kernel, inputs))
+
+    def _run(self, code: Code, batch: tuple[int, ...], rows: list[Array]) -> tuple[Array, ...]:
+        count = len(rows[0])
         found = [np.empty((count, n)) for n in self.kernel.outputs]
-        run_rows(self._for(count), [*rows, *found], count)
+        run_rows(code, [*rows, *found], count)
         return tuple(a.reshape(batch + a.shape[1:]) for a in found)
 
     def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
@@ -136,6 +147,14 @@ def compiled(kernel: Kernel, lanes: int) -> store.Entry:
     answers = [a if isinstance(a, tuple) else (a,) for a in answers]
     outputs = [np.array([np.array(a[j]).reshape(-1) for a in answers]) for j in range(len(kernel.outputs))]
     return store.Entry(object_code, probe, outputs)
+
+
+def engine(code: bytes) -> llvm.ExecutionEngine:
+    """Object code, linked; it must outlive what is called in it."""
+    found = llvm.create_mcjit_compiler(llvm.parse_assembly(""), machine())
+    found.add_object_file(llvm.object_file.ObjectFileRef.from_data(code))
+    found.finalize_object()
+    return found
 
 
 def machine() -> llvm.TargetMachine:

@@ -1,0 +1,224 @@
+"""An integrator that does not return to Python within a hundred steps: CyRK's DOP853 on machine code."""
+
+import ctypes
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+import llvmlite.binding as llvm
+import numpy as np
+
+from parflex.array import Array
+from parflex.compiled.native import NativeFunction, addresses, engine, machine
+from parflex.errors import InputError
+from parflex.legs.base import MARGINS
+from parflex.singular import SINGULAR
+from parflex.stepping import Stepper, Stuck
+
+if TYPE_CHECKING:
+    from parflex.control import Law
+
+CHUNK = 100  # steps between two returns to Python: where Ctrl-C, progress and singularities are looked at
+DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as were allowed
+DOP853 = 5  # its number of the method
+MEMORY = 2000  # MB that a chunk may take
+
+# void rhs(dy, t, y, args, _): the flat state and the works follow from the kernel whose arrays are in
+# a block of words; a state that some leg does not reach gives numbers that are none
+DRIVER = f"""
+define void @rhs(ptr %dy, double %t, ptr %y, ptr %args, ptr %unused) {{
+entry:
+  %block = load ptr, ptr %args
+  %run = load ptr, ptr %block
+  %w1 = getelementptr i64, ptr %block, i64 1
+  %pointers = load ptr, ptr %w1
+  %w2 = getelementptr i64, ptr %block, i64 2
+  %size = load i64, ptr %w2
+  %w3 = getelementptr i64, ptr %block, i64 3
+  %time = load ptr, ptr %w3
+  %w4 = getelementptr i64, ptr %block, i64 4
+  %count = load i64, ptr %w4
+  %w5 = getelementptr i64, ptr %block, i64 5
+  %starts = load ptr, ptr %w5
+  %w6 = getelementptr i64, ptr %block, i64 6
+  %rows = load ptr, ptr %w6
+  %w7 = getelementptr i64, ptr %block, i64 7
+  %width = load i64, ptr %w7
+  %w8 = getelementptr i64, ptr %block, i64 8
+  %margins = load i64, ptr %w8
+  %w9 = getelementptr i64, ptr %block, i64 9
+  %health = load ptr, ptr %w9
+  %w10 = getelementptr i64, ptr %block, i64 10
+  %refused = load ptr, ptr %w10
+  store double %t, ptr %time
+  store ptr %y, ptr %pointers
+  %p_dy = getelementptr ptr, ptr %pointers, i64 6
+  store ptr %dy, ptr %p_dy
+  %works = getelementptr double, ptr %dy, i64 %size
+  %p_works = getelementptr ptr, ptr %pointers, i64 7
+  store ptr %works, ptr %p_works
+  br label %seek
+seek:
+  %k = phi i64 [0, %entry], [%after, %look]
+  %after = add i64 %k, 1
+  %another = icmp slt i64 %after, %count
+  br i1 %another, label %look, label %found
+look:
+  %p_start = getelementptr double, ptr %starts, i64 %after
+  %start = load double, ptr %p_start
+  %later = fcmp ole double %start, %t
+  br i1 %later, label %seek, label %found
+found:
+  %offset = mul i64 %k, %width
+  %row = getelementptr double, ptr %rows, i64 %offset
+  %p_row = getelementptr ptr, ptr %pointers, i64 2
+  store ptr %row, ptr %p_row
+  call void %run(ptr %pointers, i64 0, i64 1)
+  br label %judge
+judge:
+  %j = phi i64 [0, %found], [%next, %good]
+  %left = icmp slt i64 %j, %margins
+  br i1 %left, label %margin, label %done
+margin:
+  %p_margin = getelementptr double, ptr %health, i64 %j
+  %value = load double, ptr %p_margin
+  %next = add i64 %j, 1
+  %fine = fcmp ogt double %value, {SINGULAR:e}
+  br i1 %fine, label %good, label %bad
+good:
+  br label %judge
+bad:
+  %total = add i64 %size, 3
+  br label %spoil
+spoil:
+  %i = phi i64 [0, %bad], [%i_next, %spoil]
+  %from = getelementptr double, ptr %y, i64 %i
+  %kept = load double, ptr %from
+  %into = getelementptr double, ptr %refused, i64 %i
+  %old = load double, ptr %into
+  %number = fcmp ord double %kept, %kept
+  %trial = select i1 %number, double %kept, double %old
+  store double %trial, ptr %into
+  %spoilt = getelementptr double, ptr %dy, i64 %i
+  store double 0x7FF8000000000000, ptr %spoilt
+  %i_next = add i64 %i, 1
+  %spoiling = icmp slt i64 %i_next, %total
+  br i1 %spoiling, label %spoil, label %done
+done:
+  ret void
+}}
+"""
+
+
+class Chunks(Stepper):
+    """A law that needs nobody's advice, integrated a hundred steps at a time."""
+
+    def __init__(
+        self, law: "Law", function: NativeFunction, t: float, y: Array, tolerances: dict[str, float]
+    ) -> None:
+        self.t, self.y, self.steps = t, y.copy(), 0
+        self._law, self._function = law, function
+        self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
+        self._longest = tolerances["max_step"]
+        self._starts = np.array(law.starts)
+        self._rows = np.ascontiguousarray(law.rows, dtype=float)
+        self._refused = np.full(len(y), np.nan)
+        self._pointers = addresses([*law.inputs, *law.results])
+        time, health = law.inputs[1], law.results[4]
+        self._block = np.array(
+            [
+                function.address,
+                self._pointers.ctypes.data,
+                law.inputs[0].size,
+                time.ctypes.data,
+                len(self._starts),
+                self._starts.ctypes.data,
+                self._rows.ctypes.data,
+                self._rows.shape[1],
+                MARGINS * len(law.robot.legs),
+                health.ctypes.data,
+                self._refused.ctypes.data,
+            ],
+            dtype=np.uint64,
+        )
+        self._args = addresses([self._block])
+
+    def advance(self, times: Array) -> Array:
+        size, times = len(self.y), np.ascontiguousarray(times)
+        self._refused[:] = np.nan
+        solver = cyrk()
+        found = solver.solve(
+            driver()[1], self.t, times[-1], self.y.ctypes.data, size, DOP853, len(times), 0,
+            self._args.ctypes.data, self._args.nbytes, CHUNK, MEMORY, False, times.ctypes.data, len(times),
+            None, None, 0, self._rtol.ctypes.data, 1, self._atol.ctypes.data, 1, self._longest, 0.0, True,
+        )  # fmt: skip
+        try:
+            status, taken = solver.status(found), solver.steps_taken(found)
+            rows = np.array(solver.y(found)[: solver.size(found) * size]).reshape(-1, size)
+            if taken:
+                self.t, self.y = solver.t_now(found), np.array(solver.y_now(found)[:size])
+        finally:
+            solver.free(found)
+        self.steps += taken
+        if status not in (DONE, MORE):
+            raise Stuck
+        return rows
+
+    @property
+    def refused(self) -> InputError | None:  # type: ignore[override]
+        """Why the law's model had no answer at the last state that was refused, if one was."""
+        if not np.isfinite(self._refused).all():
+            return None
+        try:
+            self._law.rate(self.t, self._refused[: self._law.inputs[0].size])
+        except InputError as error:
+            return error
+        return None
+
+    def moved(self) -> None:
+        return
+
+
+def chunks(law: "Law", t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
+    """The integrator for a law, where law, backend and machine allow it."""
+    if not law.alone or not isinstance(law.function, NativeFunction):
+        return None
+    try:
+        cyrk()
+    except (ImportError, OSError):  # not installed, or not for this processor
+        return None
+    return Chunks(law, law.function, t, y, tolerances)
+
+
+@cache
+def driver() -> tuple[Any, int]:
+    """The right-hand side: what keeps it alive, and its address."""
+    kept = engine(machine().emit_object(llvm.parse_assembly(DRIVER)))
+    return kept, kept.get_function_address("rhs")
+
+
+class Solver:
+    """CyRK's interface for other languages: plain C functions, found by their addresses."""
+
+    def __init__(self, api: Any) -> None:
+        P, Z, D, B, I = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_bool, ctypes.c_int32  # noqa: E741
+        solve = (P, P, D, D, P, Z, I, Z, Z, P, Z, Z, Z, B, P, Z, P, P, Z, P, Z, P, Z, D, D, B)
+        doubles = ctypes.POINTER(D)
+        self.solve = ctypes.CFUNCTYPE(*solve)(api.get_solve_func_ptr())
+        for name, kind, address in (
+            ("status", I, api.get_status_func_ptr),
+            ("size", Z, api.get_size_func_ptr),
+            ("steps_taken", Z, api.get_steps_taken_func_ptr),
+            ("t_now", D, api.get_t_now_func_ptr),
+            ("y", doubles, api.get_y_func_ptr),
+            ("y_now", doubles, api.get_y_now_ptr_func_ptr),
+            ("free", None, api.get_free_func_ptr),
+        ):
+            setattr(self, name, ctypes.CFUNCTYPE(kind, P)(address()))
+
+
+@cache
+def cyrk() -> Any:
+    """The interface; raises ImportError where there is none."""
+    import CyRK.nb.numba_c_api as api
+
+    return Solver(api)

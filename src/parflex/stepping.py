@@ -1,0 +1,88 @@
+"""Ways to go on in time: what a simulation asks of an integrator."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import numpy as np
+from scipy.integrate import DOP853
+
+from parflex.array import Array
+from parflex.errors import InputError
+
+
+class Stuck(Exception):
+    """The step size has vanished."""
+
+
+class Stepper(ABC):
+    """An integration of ẏ = f(t, y) that has reached y (size,) at time t."""
+
+    t: float
+    y: Array
+    steps: int  # taken so far
+    refused: InputError | None = None  # why f had no value at the last trial
+
+    @abstractmethod
+    def advance(self, times: Array) -> Array:
+        """Go on, at most to the last of the times; rows (k, size) at the first k, which were passed.
+
+        Raises Stuck where no step is small enough; t and y are then where it ended.
+        """
+
+    @abstractmethod
+    def moved(self) -> None:
+        """To be called when somebody has changed y."""
+
+
+class RightHandSide:
+    """ẏ for an integrator.
+
+    Where `rate` refuses a trial state, the answer is not a number: the integrator then shortens
+    its step, and ends when that does not help.
+    """
+
+    def __init__(self, rate: Callable[[float, Array], Array]) -> None:
+        self._rate = rate
+        self.refused: InputError | None = None  # why, since somebody last set it to None
+
+    def __call__(self, t: float, y: Array) -> Array:
+        if not np.isfinite(y.sum()):  # a later stage of a step that was refused already
+            return np.full(len(y), np.nan)
+        try:
+            return self._rate(t, y)
+        except InputError as error:
+            self.refused = error
+            return np.full(len(y), np.nan)
+
+
+class SciPySteps(Stepper):
+    """One step of SciPy's DOP853 at a time, of any function."""
+
+    def __init__(
+        self,
+        rate: Callable[[float, Array], Array],
+        t: float,
+        y: Array,
+        end: float,
+        tolerances: dict[str, float],
+    ) -> None:
+        self._rate = RightHandSide(rate)
+        self._solver = DOP853(self._rate, t, y, end, **tolerances)
+        self.t, self.y, self.steps = t, self._solver.y, 0
+
+    def advance(self, times: Array) -> Array:
+        solver = self._solver
+        self._rate.refused = None
+        solver.step()
+        self.refused = self._rate.refused
+        if solver.status == "failed":
+            raise Stuck
+        self.t, self.y, self.steps = solver.t, solver.y, self.steps + 1
+        passed = times[: np.searchsorted(times, solver.t, side="right")]
+        if len(passed) == 0:
+            return np.empty((0, len(solver.y)))
+        rows: Array = solver.dense_output()(passed).T
+        return rows
+
+    def moved(self) -> None:
+        self._solver.f = self._rate(self._solver.t, self._solver.y)
