@@ -15,7 +15,8 @@ import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
 from parflex.compiled import cache, ir, kernels, native
-from parflex.compiled.vm import VmBackend, VmFunction, trace
+from parflex.compiled.loops import program
+from parflex.compiled.vm import VmBackend, VmFunction
 
 SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
 SOLVED = 1e-12  # of the inverse model, whose systems are less well conditioned
@@ -163,7 +164,7 @@ def test_every_operation_has_a_translation():
     """The graphs of all kernels of a robot with carried legs, friction and springs."""
     robot = zoo.odd(0, 3).robot
     for kernel in (kernels.direct(robot), kernels.derivative(robot), kernels.projection(robot)):
-        assert "define void @run" in ir.module(trace(kernel), 2)
+        assert "define void @run" in ir.module(program(kernel), 2, 8)
     assert VmBackend().name == "vm"
 
 
@@ -172,7 +173,7 @@ def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
     """A graph cut into a dozen functions gives what the whole gives."""
     kernel = kernels.direct(model_of(0).robot)
     monkeypatch.setattr(ir, "PART", 400)
-    assert ir.module(trace(kernel), lanes).count("define internal void @part") >= 10
+    assert ir.module(program(kernel), lanes, 8).count("define internal void @part") >= 10
     assert native.code(kernel, lanes).sound
 
 
