@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array, outer, without_roundoff
 from parflex.check import exactly, finite, integer, of_type, positive
 from parflex.errors import InputError
-from parflex.modes import Modes, Moments, shifted
+from parflex.modes import Modes, Moments, shifted, with_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,15 +153,7 @@ class FlexibleBody:
         m = positive("mass", mass)
         if integer("node", node) >= len(self.nodes):
             raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
-        r, Phi, old = self.nodes[node], self.shapes[:, node], self.moments
-        moments = Moments(
-            m=old.m + m,
-            MS0=old.MS0 + m * r,
-            P0=old.P0 + m * outer(r, r),
-            S=old.S + m * Phi.T,
-            P1=old.P1 + m * outer(Phi, r),
-            P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
-        )
+        moments = with_point(self.moments, m, self.nodes[node], self.shapes[:, node])
         return replace(self, moments=moments)
 
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
@@ -189,6 +181,10 @@ class FlexibleBody:
     def m_ee_inverse(self) -> Array:
         """m_ee⁻¹ (N, N)."""
         return without_roundoff(np.linalg.inv(self.m_ee))
+
+    def modal_solve(self, loads: Array) -> Array:
+        """m_ee⁻¹ times modal forces (…, N, c)."""
+        return self.m_ee_inverse @ loads
 
     @cached_property
     def attachment_points(self) -> Array:
@@ -242,8 +238,17 @@ def modal_diagonals(moments: Moments, omega: Array, damping_ratio: ArrayLike) ->
         raise InputError(
             f"damping_ratio is {damping_ratio!r}; expected one value ≥ 0 or {len(omega)} of them"
         )
-    m_kk = np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
-    return omega**2 * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
+    return diagonals(modal_masses(moments), omega, zeta)
+
+
+def modal_masses(moments: Moments) -> Array:
+    """m_kk (N,), the diagonal of tr P2."""
+    return np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
+
+
+def diagonals(m_kk: Array, omega: Array, zeta: Array) -> tuple[Array, Array]:
+    """ω² m_kk and 2 ζ ω m_kk."""
+    return omega * omega * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
 
 
 def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:

@@ -105,5 +105,5 @@ def broadcast_together(**vectors: Array) -> None:
     try:
         np.broadcast_shapes(*(v.shape[:-1] for v in vectors.values()))
     except ValueError:
-        said = ", ".join(f"{v.shape[:-1]} of {name}" for name, v in vectors.items())
+        said = ", ".join(f"{v.shape[:-1]} of {name}" for name, v in vectors.items() if v.ndim > 1)
         raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None

@@ -25,10 +25,13 @@ def on_branch(method: Callable[..., Answer]) -> Callable[..., Answer]:
 
 
 class Family:
-    """A model, and those of its robot on other branches."""
+    """A model, and those of its robot on other branches.
 
-    def __init__(self, first: "Model") -> None:
-        self.first = first
+    Where the model is another one with other values of its parameters, so are they.
+    """
+
+    def __init__(self, first: "Model", source: "Family | None" = None) -> None:
+        self.first, self._source = first, source
         self._others: dict[tuple[int, ...], Model] = {}
         self._lock = Lock()
 
@@ -44,7 +47,15 @@ class Family:
             return self.first
         with self._lock:
             if numbers not in self._others:
-                other = type(self.first)(on_branches(robot, numbers, state.joints), self.first.backend.name)
+                other = self._made(state, numbers)
                 other.family = self
                 self._others[numbers] = other
             return self._others[numbers]
+
+    def _made(self, state: State, numbers: tuple[int, ...]) -> "Model":
+        """The model with legs on the branch that a state names."""
+        first = self.first
+        if self._source is not None:
+            return self._source.on(state).with_parameters(first.parameters)
+        robot = on_branches(first.robot, numbers, state.joints)
+        return type(first)(robot, first.backend.name, tuple(first.parameters))

@@ -1,7 +1,8 @@
 """The dynamic models of a robot, on the backend of one's choice: the comfortable door."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
 from threading import Lock
 
@@ -18,11 +19,13 @@ from parflex.compiled import choose, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
+from parflex.compiled.parametrised import At, parametrised
 from parflex.dynamics import Acceleration
 from parflex.errors import DynamicSingularity, InputError
 from parflex.family import Family, on_branch
 from parflex.mobility import Mobility, mobility, reached
 from parflex.output import FrameOutput, Output
+from parflex.parameters import Parameters
 from parflex.robot import Robot
 from parflex.state import State, Wrench, unpack
 from parflex.wrench import generalised_force
@@ -38,27 +41,62 @@ class Model:
     States must be on the closure of the legs, which for robots of fewer than six freedoms is a
     condition (`project` finds the nearest); joints that are carried in the state are closed here.
 
-    Raises InputError for an unknown backend.
+    parameters names numbers of the robot that may change without compiling anew, by Python's path to
+    them (docs/parameters.md): "gravity", "legs[0].joints[2].M", "platform.payload[12]" … `direct` and
+    `inverse` take values for them, batches too; `with_parameters` makes the model of a robot that has
+    other values. All else is at the robot's own.
+
+    Raises InputError for an unknown backend or parameter.
     """
 
-    def __init__(self, robot: Robot, backend: str = "auto") -> None:
+    def __init__(self, robot: Robot, backend: str = "auto", parameters: Sequence[str] = ()) -> None:
         self.robot = robot
         self.backend = choose(backend)
+        self._parameters = Parameters(robot, parameters)
+        self._theta = self._parameters.own
         self._functions: dict[object, Function] = {}
         self._lock = Lock()
         self.family = Family(self)
 
+    @property
+    def parameters(self) -> dict[str, Array]:
+        """The values of the parameters, by name."""
+        return {item.name: value.copy() for item, value in self._parameters.split(self._theta)}
+
+    def with_parameters(self, values: Mapping[str, ArrayLike]) -> "Model":
+        """The model of the robot with other values of some parameters; it shares all compiled code.
+
+        Raises InputError for names that are not among the parameters, a batch of values, and values
+        that the robot itself would refuse.
+        """
+        theta = self._parameters.vector(values, self._theta)
+        if theta.ndim > 1:
+            raise InputError(
+                f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
+                f"model.direct or model.inverse"
+            )
+        other = copy(self)
+        other.robot, other._theta = self._parameters.robot(theta), theta
+        other.family = Family(other, self.family)
+        return other
+
     @on_branch
-    def direct(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Accelerations:
+    def direct(
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Sequence[Wrench] = (),
+        parameters: Mapping[str, ArrayLike] | None = None,
+    ) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
-        Leading axes of state, forces and wrenches broadcast. Where contact forces are not unique
-        (see `mobility`) they are the shortest.
+        Leading axes of state, forces, wrenches and values of parameters broadcast. Where contact forces
+        are not unique (see `mobility`) they are the shortest.
 
         Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
         where a leg's inverse geometry fails or the closure loses a row.
         """
-        _, _, (Vd, qdd_e, f) = self._moved(state, forces, wrenches)
+        _, _, (Vd, qdd_e, f) = self._moved(state, forces, wrenches, parameters)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
     @on_branch
@@ -69,6 +107,7 @@ class Model:
         output: Output | None = None,
         wrenches: Sequence[Wrench] = (),
         preload: ArrayLike | None = None,
+        parameters: Mapping[str, ArrayLike] | None = None,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
@@ -85,11 +124,13 @@ class Model:
         wanted = finite("target", target, (output.size,))
         w = generalised_force(self.robot.platform, state, wrenches)
         bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
-        broadcast_together(state=x, target=wanted, wrenches=w, preload=bias)
-        forces, Vd, qdd_e, f, gain, health = self.function(kernels.inverse, output)(x, wanted, w, bias)
+        theta = self._values(parameters)
+        broadcast_together(state=x, target=wanted, wrenches=w, preload=bias, parameters=theta)
+        run = self.function(kernels.inverse, output, at=theta)
+        forces, Vd, qdd_e, f, gain, health = run(x, wanted, w, bias)
         self.check(x, health)
         singular.check_finite(gain)
-        rigid = self.function(kernels.gains, output)(x)[1]
+        rigid = self.function(kernels.gains, output, at=theta)(x)[1]
         beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
         if np.any(beyond):
             warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=3)
@@ -203,17 +244,20 @@ class Model:
         """
         return Compiled(self, self._output(output))
 
-    def function(self, build: Callable[..., Kernel], *chosen: object) -> Function:
+    def function(self, build: Callable[..., Kernel], *chosen: object, at: Array | None = None) -> Function:
         """What `build`, of `compiled.kernels` or `motions`, makes of the robot and of what else it takes.
 
-        A function of flat float arrays (…, n_i), compiled by the backend at first use and kept.
+        A function of flat float arrays (…, n_i), compiled by the backend at first use and kept; for
+        parameters θ (…, P), by default the model's.
         """
         with self._lock:
             key = (build, *chosen)
             if key not in self._functions:
-                kernel = build(self.robot, *chosen)
-                self._functions[key] = self.backend.compile(kernel)
-            return self._functions[key]
+                self._functions[key] = self.backend.compile(self._kernel(build, *chosen))
+            found = self._functions[key]
+        if not self._parameters.items:
+            return found
+        return At(found, self._theta if at is None else at)
 
     @on_branch
     def system(self, state: State) -> System:
@@ -269,6 +313,16 @@ class Model:
         if not self.robot.closed:
             singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
 
+    def _kernel(self, build: Callable[..., Kernel], *chosen: object) -> Kernel:
+        """The kernel, which takes θ where the model has parameters."""
+        if not self._parameters.items:
+            return build(self.robot, *chosen)
+        return parametrised(self._parameters, build, *chosen)
+
+    def _values(self, parameters: Mapping[str, ArrayLike] | None) -> Array:
+        """θ (…, P), by default the model's."""
+        return self._theta if parameters is None else self._parameters.vector(parameters, self._theta)
+
     def _output(self, output: Output | None) -> Output:
         """The output, all of V̇_p by default, checked against the platform."""
         output = FrameOutput() if output is None else output
@@ -287,14 +341,19 @@ class Model:
         return output
 
     def _moved(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Sequence[Wrench],
+        parameters: Mapping[str, ArrayLike] | None = None,
     ) -> tuple[Array, Array, Acceleration]:
         """The direct model: the flat state and the forces (…, m), checked, and what they cause."""
         x = self.flat(state)
         u = finite("forces", forces, (self.robot.n_forces,))
         w = generalised_force(self.robot.platform, state, wrenches)
-        broadcast_together(state=x, forces=u, wrenches=w)
-        Vd, qdd_e, f, health = self.function(kernels.direct)(x, u, w)
+        theta = self._values(parameters)
+        broadcast_together(state=x, forces=u, wrenches=w, parameters=theta)
+        Vd, qdd_e, f, health = self.function(kernels.direct, at=theta)(x, u, w)
         self.check(x, health)
         singular.check_finite(Vd)
         return x, u, Acceleration(Vd, qdd_e, f)

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.array import Array
+from parflex.array import Array, outer
 
 
 class Moments(NamedTuple):
@@ -55,4 +55,16 @@ def shifted(old: Moments, o: Array) -> Moments:
         S=old.S,
         P1=old.P1 - old.S.T[:, :, None] * o,
         P2=old.P2,
+    )
+
+
+def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
+    """The integrals with a point mass m at r (3,), displaced by Φ (N, 3): they grow by m Φ Φᵀ."""
+    return Moments(
+        m=old.m + m,
+        MS0=old.MS0 + m * r,
+        P0=old.P0 + m * outer(r, r),
+        S=old.S + m * Phi.T,
+        P1=old.P1 + m * outer(Phi, r),
+        P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
     )

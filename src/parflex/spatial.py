@@ -39,7 +39,12 @@ def rotation_about_z(angle: Array) -> Array:
 
 
 def exact_cos_sin(angle: Array) -> tuple[Array, Array]:
-    """cos and sin of constant angles, with the round-off at multiples of π/2 removed."""
+    """cos and sin of constant angles, with the round-off at multiples of π/2 removed.
+
+    Among constants there may be symbols, of numbers that are known at run time only.
+    """
+    if angle.dtype == object:
+        return np.frompyfunc(np.cos, 1, 1)(angle), np.frompyfunc(np.sin, 1, 1)(angle)
     c, s = np.cos(angle), np.sin(angle)
     return np.where(np.abs(c) < 1e-15, 0.0, c), np.where(np.abs(s) < 1e-15, 0.0, s)
 

@@ -1,6 +1,7 @@
 """An integrator that does not return to Python within a hundred steps: CyRK's DOP853 on machine code."""
 
 import ctypes
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,9 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from parflex.array import Array
+from parflex.compiled.backend import Function
 from parflex.compiled.native import NativeFunction, addresses, engine, machine
+from parflex.compiled.parametrised import At
 from parflex.errors import InputError
 from parflex.legs.base import MARGINS
 from parflex.singular import SINGULAR
@@ -49,12 +52,13 @@ entry:
   %health = load ptr, ptr %w9
   %w10 = getelementptr i64, ptr %block, i64 10
   %refused = load ptr, ptr %w10
+  %w11 = getelementptr i64, ptr %block, i64 11
+  %p_dy = load ptr, ptr %w11
   store double %t, ptr %time
   store ptr %y, ptr %pointers
-  %p_dy = getelementptr ptr, ptr %pointers, i64 6
   store ptr %dy, ptr %p_dy
   %works = getelementptr double, ptr %dy, i64 %size
-  %p_works = getelementptr ptr, ptr %pointers, i64 7
+  %p_works = getelementptr ptr, ptr %p_dy, i64 1
   store ptr %works, ptr %p_works
   br label %seek
 seek:
@@ -113,16 +117,22 @@ class Chunks(Stepper):
     """A law that needs nobody's advice, integrated a hundred steps at a time."""
 
     def __init__(
-        self, law: "Law", function: NativeFunction, t: float, y: Array, tolerances: dict[str, float]
+        self,
+        law: "Law",
+        function: NativeFunction,
+        more: Sequence[Array],
+        t: float,
+        y: Array,
+        tolerances: dict[str, float],
     ) -> None:
         self.t, self.y, self.steps = t, y.copy(), 0
-        self._law, self._function = law, function
+        self._law, self._function, self._inputs = law, function, [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
         self._starts = np.array(law.starts)
         self._rows = np.ascontiguousarray(law.rows, dtype=float)
         self._refused = np.full(len(y), np.nan)
-        self._pointers = addresses([*law.inputs, *law.results])
+        self._pointers = addresses([*self._inputs, *law.results])
         time, health = law.inputs[1], law.results[4]
         self._block = np.array(
             [
@@ -137,6 +147,7 @@ class Chunks(Stepper):
                 MARGINS * len(law.robot.legs),
                 health.ctypes.data,
                 self._refused.ctypes.data,
+                self._pointers[len(self._inputs) + 1 :].ctypes.data,
             ],
             dtype=np.uint64,
         )
@@ -180,13 +191,17 @@ class Chunks(Stepper):
 
 def chunks(law: "Law", t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
     """The integrator for a law, where law, backend and machine allow it."""
-    if not law.alone or not isinstance(law.function, NativeFunction):
+    function: Function = law.function
+    more: list[Array] = []
+    if isinstance(function, At):
+        more, function = [function.theta], function.function
+    if not law.alone or not isinstance(function, NativeFunction):
         return None
     try:
         cyrk()
     except (ImportError, OSError):  # not installed, or not for this processor
         return None
-    return Chunks(law, law.function, t, y, tolerances)
+    return Chunks(law, function, more, t, y, tolerances)
 
 
 @cache
