@@ -77,7 +77,7 @@ def test_code_is_kept(model_of, own_cache, monkeypatch):
     x = kernel.probe(1)[0]
     expected = native.NativeFunction(kernel)(x)
     assert len(list(own_cache.iterdir())) == 1
-    monkeypatch.setattr(native, "trace", None)
+    monkeypatch.setattr(native, "program", None)
     alike(native.NativeFunction(kernel)(x), expected, 0.0)
 
 
@@ -109,7 +109,7 @@ def test_code_of_another_robot_is_noticed(model_of, own_cache):
 def test_wrong_code_falls_back(model_of, monkeypatch):
     """A compiler that errs: the virtual machine is used, and said."""
     monkeypatch.setitem(ir.ARITHMETIC, next(iter(ir.ARITHMETIC)), "fsub")
-    with pytest.warns(UserWarning, match="differs from the virtual machine.*is used instead"):
+    with pytest.warns(UserWarning, match="differs from the reference.*is used instead"):
         found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
     assert isinstance(found, VmFunction)
 

@@ -307,7 +307,7 @@ def retabled(group: LegGroup, values: Sequence[tuple[Parameter, Array]]) -> LegG
         for leg in set(item.legs) & set(group.legs):
             old = tables.get(item.field, getattr(group.chain, item.field))
             table = old.astype(np.result_type(old, value))
-            table[group.legs.index(leg), item.number] = value
+            table[group.legs.index(leg), item.number] = value[()]
             tables[item.field] = table
     return group._replace(chain=replace(group.chain, **tables))
 

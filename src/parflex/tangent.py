@@ -116,9 +116,7 @@ def leg_tangent(robot: Robot, leg: LegTerms, x: Coordinates, qdd: Array, f: Arra
     group, carries = leg.group, leg.group.type.carries
     n, rows = group.chain.n, 3 * len(group.tip_frames)
     force = mv(leg.R_ip, f)
-    given = [x.q[..., group.carried], x.qd[..., group.carried]] if carries else [leg.place, leg.velocity]
-    seeds = join(given) if carries else join([merged(part) for part in given])
-    found = residual_tangent(robot, group, seeds, qdd, force)
+    found = residual_tangent(robot, group, leg_seeds(leg, x), qdd, force)
     R_pi = transpose(leg.R_ip[..., 0, :, :])
     JA = transpose(solve_definite(leg.A, transpose(leg.J)))
     H = blockwise(R_pi, found[..., n:, :]) - JA @ found[..., :n, :]
@@ -128,6 +126,14 @@ def leg_tangent(robot: Robot, leg: LegTerms, x: Coordinates, qdd: Array, f: Arra
         return LegTangent(still, still, H[..., :n], H[..., n:], mobility)
     H = transpose(blockwise(R_pi, transpose(H)))
     return LegTangent(H[..., :rows], H[..., rows:], H[..., :0], H[..., :0], mobility)
+
+
+def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
+    """What the equations of the legs are functions of: see `leg_residual`."""
+    carried = leg.group.carried
+    if leg.group.type.carries:
+        return join([x.q[..., carried], x.qd[..., carried]])
+    return join([merged(leg.place), merged(leg.velocity)])
 
 
 def residual_tangent(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force: Array) -> Array:
