@@ -37,7 +37,7 @@ def check_health(robot: Robot, health: Array) -> None:
 def check_gaps(robot: Robot, health: Array) -> None:
     """Raise InputError where a tip is not at its attachment, or leaves it."""
     gaps, start = health[..., MARGINS * len(robot.legs) :], 0
-    if np.max(np.abs(gaps), initial=0.0) <= OFF * min(1.0, size_of(robot)):
+    if gaps.size == 0 or np.max(np.abs(gaps)) <= OFF * min(1.0, size_of(robot)):
         return
     for group in robot.groups:
         if group.closed:
@@ -96,7 +96,7 @@ def check_legs(robot: Robot, health: Array) -> None:
 
 def check_finite(answer: Array) -> None:
     """Raise where the mechanics itself has no answer, though every leg is regular."""
-    if not np.all(np.isfinite(answer)):
+    if not np.isfinite(answer).all():
         where = index_of(~np.all(np.isfinite(answer), axis=-1))
         raise SingularPose(f"at the state{where}, {NO_INERTIA}")
 

@@ -80,6 +80,9 @@ class At(Function):
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function(*inputs, self.theta)
 
+    def run(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.function.run(*inputs, self.theta)
+
     def each(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function.each(*inputs, self.theta)
 
