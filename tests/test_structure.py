@@ -12,7 +12,7 @@ import parflex as pf
 
 MECHANICS = (
     "array", "spatial", "chain", "legs", "body", "platform", "modes", "robot", "state", "kinematics",
-    "assembly", "dynamics", "cartesian", "energy", "singular", "wrench", "parameters",
+    "assembly", "dynamics", "cartesian", "energy", "singular", "wrench", "parameters", "designs",
 )  # fmt: skip
 
 

@@ -20,6 +20,7 @@ from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
 from parflex.compiled.parametrised import At, parametrised
+from parflex.designs import rebuilt
 from parflex.dynamics import Acceleration
 from parflex.errors import DynamicSingularity, InputError
 from parflex.family import Family, on_branch
@@ -76,7 +77,7 @@ class Model:
                 f"model.direct or model.inverse"
             )
         other = copy(self)
-        other.robot, other._theta = self._parameters.robot(theta), theta
+        other.robot, other._theta = rebuilt(self._parameters.first, self._parameters.split(theta)), theta
         other.family = Family(other, self.family)
         return other
 

@@ -9,6 +9,7 @@ import numpy as np
 from parflex.array import Array
 from parflex.compiled.backend import Function, Trigger
 from parflex.compiled.kernels import Kernel
+from parflex.designs import placed
 from parflex.parameters import Parameters
 
 Build = Callable[..., Kernel]
@@ -32,7 +33,7 @@ def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kerne
     plain = build(parameters.first, *chosen)
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        return build(parameters.placed(theta), *chosen).function
+        return build(placed(parameters.first, parameters.split(theta)), *chosen).function
 
     def function(*inputs: Array) -> tuple[Array, ...]:
         *given, theta = inputs
