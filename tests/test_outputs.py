@@ -14,6 +14,7 @@ import oracle
 import parflex as pf
 import zoo
 from conftest import relative
+from parflex import singular
 from rewriting import reframed
 
 LIBRARY = 1e-9  # the accuracy the library promises
@@ -386,3 +387,16 @@ def test_an_output_that_no_actuator_moves():
     model = pf.Model(pf.robots.delta(0), "numpy")
     with pytest.raises(pf.SingularPose, match="no actuator moves the output at all"):
         model.inverse(model.robot.home, np.zeros(3), pf.FrameOutput((3, 4, 5)))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 6])
+def test_determinants_bound_the_ratio_of_singular_values(n):
+    """From below, and closely where all of them are alike; of matrices that are nearly singular, too."""
+    rng = np.random.default_rng(n)
+    A = rng.normal(size=(200, n, n))
+    A[:100, 0] *= 10.0 ** rng.uniform(-12, 0, (100, 1))
+    size = np.linalg.norm(A, axis=(-2, -1))
+    bound = singular.smallest_ratio(np.linalg.det(A), size, n)
+    assert np.all(bound <= singular.ratio(A) * (1 + 1e-9) + 1e-15)  # of round-off
+    Q = np.linalg.qr(A[150])[0]
+    assert singular.smallest_ratio(np.linalg.det(Q), np.linalg.norm(Q), n) > 0.25

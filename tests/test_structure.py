@@ -14,7 +14,8 @@ import parflex as pf
 MECHANICS = (
     "array", "spatial", "chain", "legs", "body", "platform", "modes", "robot", "state", "kinematics",
     "assembly", "dynamics", "cartesian", "energy", "singular", "wrench", "answers", "branches", "closure",
-    "geometry", "mobility", "redundancy", "search", "statics",
+    "geometry", "mobility", "redundancy", "search", "statics", "parameters", "designs", "dual", "tangent",
+    "sensitivity",
 )  # fmt: skip
 
 

@@ -1,11 +1,12 @@
 """One question per file; `ALL` is the order in which they are asked, agreement first."""
 
-from benchmarks.questions import agreement, batch, cold_start, models, scaling, simulation
+from benchmarks.questions import agreement, batch, cold_start, designs, models, scaling, simulation
 
 ALL = {
     "agreement": agreement.ask,
     "models": models.ask,
     "batch": batch.ask,
+    "designs": designs.ask,
     "scaling": scaling.ask,
     "simulation": simulation.ask,
     "cold-start": cold_start.ask,

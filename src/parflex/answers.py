@@ -100,9 +100,7 @@ def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, .
 
 def by_attachment(robot: Robot, f: Array) -> Array:
     """Contact forces (…, k, 3) by attachment, zero where no leg holds, from (…, 3 tips)."""
-    count = len(robot.platform.attachments)
-    chosen = np.arange(count)[:, None] == robot.tip_attachments
-    return np.einsum("at,...tc->...ac", chosen.astype(float), unstacked(f))
+    return np.matmul(robot.held, unstacked(f))
 
 
 def by_rows(flat: Array, rows: int) -> Array:

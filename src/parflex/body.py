@@ -197,6 +197,12 @@ class FlexibleBody:
         return without_roundoff(np.moveaxis(self.shapes[:, list(self.attachments)], 0, -1))
 
     @cached_property
+    def size(self) -> float:
+        """Root mean square distance of the attachments from their centre, m; 1 where that is zero."""
+        points = self.attachment_points
+        return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
+
+    @cached_property
     def tables(self) -> Moments:
         """The moment tensors as the mechanics reads them: round-off stored as exact zeros.
 

@@ -215,5 +215,4 @@ def carried_part(robot: Robot, joints: Array) -> Array:
 
 def size_of(robot: Robot) -> float:
     """Root mean square distance of the attachments from their centre, m."""
-    points = robot.platform.attachment_points
-    return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
+    return robot.platform.size

@@ -31,6 +31,7 @@ from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
 from parflex.compiled.parametrised import At, parametrised
+from parflex.designs import rebuilt
 from parflex.dynamics import Acceleration
 from parflex.errors import DynamicSingularity, InputError
 from parflex.family import Family, on_branch
@@ -87,7 +88,7 @@ class Model:
                 f"model.direct or model.inverse"
             )
         other = copy(self)
-        other.robot, other._theta = self._parameters.robot(theta), theta
+        other.robot, other._theta = rebuilt(self._parameters.first, self._parameters.split(theta)), theta
         other.family = Family(other, self.family)
         return other
 
@@ -137,11 +138,11 @@ class Model:
         bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
         theta = self._values(parameters)
         broadcast_together(state=x, target=wanted, wrenches=w, preload=bias, parameters=theta)
-        run = self.function(kernels.inverse, output, at=theta)
-        forces, Vd, qdd_e, f, gain, health = run(x, wanted, w, bias)
+        function = self.function(kernels.inverse, output, at=theta)
+        forces, Vd, qdd_e, f, gain, health = function.run(x, wanted, w, bias)
         self.check(x, health)
         singular.check_finite(gain)
-        rigid = self.function(kernels.gains, output, at=theta)(x)[1]
+        rigid = self.function(kernels.gains, output, at=theta).run(x)[1]
         beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
         if np.any(beyond):
             warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=3)
@@ -372,7 +373,7 @@ class Model:
         """
         singular.check_health(self.robot, health)
         if not self.robot.closed:
-            singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
+            singular.check_locking(self.robot, self.function(kernels.contact_matrix).run(x)[0])
 
     def _kernel(self, build: Callable[..., Kernel], *chosen: object) -> Kernel:
         """The kernel, which takes θ where the model has parameters."""
@@ -427,7 +428,7 @@ class Model:
         w = generalised_force(self.robot.platform, state, wrenches)
         theta = self._values(parameters)
         broadcast_together(state=x, forces=u, wrenches=w, parameters=theta)
-        Vd, qdd_e, f, health = self.function(kernels.direct, at=theta)(x, u, w)
+        Vd, qdd_e, f, health = self.function(kernels.direct, at=theta).run(x, u, w)
         self.check(x, health)
         singular.check_finite(Vd)
         return x, u, Acceleration(Vd, qdd_e, f)

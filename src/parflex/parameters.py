@@ -5,21 +5,17 @@ A parameter is named by Python's own path into a robot. All parameters of a mode
 """
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from copy import copy
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.array import Array, join, solve_definite, transpose, without_roundoff
-from parflex.body import FlexibleBody, diagonals, modal_masses
+from parflex.array import Array, join, transpose
+from parflex.body import FlexibleBody, modal_masses
 from parflex.check import finite, index_of
 from parflex.errors import InputError
-from parflex.legs import LegGroup
 from parflex.legs.leg import NOT_NEGATIVE
-from parflex.modes import with_point
 from parflex.robot import Robot
 
 OF_LINKS: dict[str, tuple[int, ...]] = {
@@ -101,51 +97,13 @@ class Parameters:
                 f"parameters: the leading (batch) axes are {said}; they must broadcast together"
             ) from None
 
-    def split(self, theta: Array) -> Iterator[tuple[Parameter, Array]]:
+    def split(self, theta: Array) -> list[tuple[Parameter, Array]]:
         """The parameters with their values (*shape) in θ (P,)."""
-        start = 0
-        for item in self.items:
-            yield item, theta[start : start + item.size].reshape(item.shape)
-            start += item.size
-
-    def robot(self, theta: Array) -> Robot:
-        """The robot that has the numbers θ (P,), as if it had been built with them.
-
-        Raises InputError where it cannot be.
-        """
-        first, values = self.first, list(self.split(theta))
-        changes: dict[tuple[int, int], dict[str, Any]] = {}
-        for item, value in values:
-            for leg in item.legs:
-                changes.setdefault((leg, item.number), {})[item.field] = value
-        legs = tuple(
-            replace(
-                leg,
-                joints=tuple(replace(joint, **changes.get((i, j), {})) for j, joint in enumerate(leg.joints)),
-            )
-            for i, leg in enumerate(first.legs)
-        )
-        body = replace(first.platform, **modal_changes(first.platform, values))
-        for item, value in values:
-            if item.field == "payload" and value > 0:
-                body = body.with_payload(item.number, float(value))
-        gravity = [value for item, value in values if item.field == "gravity"]
-        return replace(first, legs=legs, platform=body, gravity=[first.gravity, *gravity][-1])
-
-    def placed(self, theta: Array) -> Robot:
-        """A robot for the mechanics alone, with θ (P,) in its tables, numbers or symbols; nothing is checked.
-
-        What does not depend on θ, geometry above all, it shares with the first robot.
-        """
-        values = list(self.split(theta))
-        changed: dict[str, Any] = {
-            "groups": tuple(retabled(group, values) for group in self.first.groups),
-            "platform": laden(self.first.platform, values),
-            "rows": self.first.rows,
-        }
-        changed |= {item.field: value for item, value in values if item.field == "gravity"}
-        found: Robot = altered(self.first, changed)
-        return found
+        ends = np.cumsum([item.size for item in self.items])
+        return [
+            (item, theta[end - item.size : end].reshape(item.shape))
+            for item, end in zip(self.items, ends, strict=True)
+        ]
 
     def _unknown(self, name: object) -> str:
         """What to say of a value for something that is not among the parameters."""
@@ -291,63 +249,3 @@ def rule_of(field: str) -> str:
     if field == "I":
         return "it must be symmetric, with products of inertia as matrix entries"
     return "it must be positive" if field == "v_s" else "it cannot be negative"
-
-
-def altered(thing: Any, attributes: dict[str, Any]) -> Any:
-    """A copy with other attributes, cached ones among them; nothing is checked."""
-    other = copy(thing)
-    other.__dict__.update(attributes)
-    return other
-
-
-def retabled(group: LegGroup, values: Sequence[tuple[Parameter, Array]]) -> LegGroup:
-    """A group with values in its tables."""
-    tables: dict[str, Any] = {}
-    for item, value in values:
-        for leg in set(item.legs) & set(group.legs):
-            old = tables.get(item.field, getattr(group.chain, item.field))
-            table = old.astype(np.result_type(old, value))
-            table[group.legs.index(leg), item.number] = value[()]
-            tables[item.field] = table
-    return group._replace(chain=replace(group.chain, **tables))
-
-
-def modal_changes(body: FlexibleBody, values: Sequence[tuple[Parameter, Array]]) -> dict[str, Any]:
-    """Stiffness and damping, where frequencies or damping ratios are among the values."""
-    given = {item.field: value for item, value in values if item.field in OF_MODES}
-    if not given:
-        return {}
-    modal = dict(zip(OF_MODES, modal_values(body), strict=True)) | given
-    stiffness, damping = diagonals(modal_masses(body.moments), *modal.values())
-    return {"stiffness": stiffness, "damping": damping}
-
-
-def laden(body: FlexibleBody, values: Sequence[tuple[Parameter, Array]]) -> FlexibleBody:
-    """A body with values in its tables, and payloads on its nodes."""
-    found: FlexibleBody = altered(body, modal_changes(body, values))
-    for item, value in values:
-        if item.field == "payload":
-            found = carrying(found, value[()], item.number)
-    return found
-
-
-def carrying(body: FlexibleBody, mass: Any, node: int) -> FlexibleBody:
-    """A body with a point mass m on a node, where the displacement is u = Φᵀ q_e, Φ (N, 3).
-
-    (m_ee + m Φ Φᵀ)⁻¹ = m_ee⁻¹ − Z (1 + m Φᵀ Z)⁻¹ m Zᵀ with Z = m_ee⁻¹ Φ, which has no difficulty where
-    m is zero.
-    """
-    Phi = without_roundoff(body.shapes)[:, node]
-    Z = body.modal_solve(Phi)
-    held = np.eye(3) + mass * (Phi.T @ Z).reshape(1, 3, 3)
-
-    def modal_solve(loads: Array) -> Array:
-        free = body.modal_solve(loads)
-        return free - Z @ solve_definite(held, mass * (Phi.T @ free))
-
-    tables = with_point(body.tables, mass, without_roundoff(body.nodes)[node], Phi)
-    m_ee = body.m_ee + mass * (Phi @ Phi.T)
-    inverse = modal_solve(np.eye(body.modes))[0]
-    return altered(
-        body, {"tables": tables, "m_ee": m_ee, "m_ee_inverse": inverse, "modal_solve": modal_solve}
-    )

@@ -111,6 +111,12 @@ class Robot:
         return np.concatenate([np.zeros(0, dtype=int), *parts])
 
     @cached_property
+    def held(self) -> Array:
+        """(attachments, tips): 1 where the tip holds the attachment."""
+        count = len(self.platform.attachments)
+        return (np.arange(count)[:, None] == self.tip_attachments).astype(float)
+
+    @cached_property
     def force_order(self) -> Array:
         """For each entry of Γ, its place in the order of the groups."""
         parts = [group.forces.reshape(-1) for group in self.groups]

@@ -10,6 +10,7 @@ from parflex import assembly, sensitivity
 from parflex.array import Array, merged
 from parflex.compiled.kernels import Kernel, sizes
 from parflex.compiled.parametrised import for_any
+from parflex.designs import placed
 from parflex.output import Output
 from parflex.parameters import Parameters
 from parflex.robot import Robot
@@ -50,16 +51,20 @@ def inverse_jacobian(robot: Robot, output: Output, places: Places) -> Kernel:
 def parameter_jacobian(parameters: Parameters, places: Places) -> Kernel:
     """(x, u, w, pushes, θ) -> ∂(V̇_p, q̈_e)/∂θ; health."""
     first = parameters.first
+
+    def robot_at(theta: Array) -> Robot:
+        return placed(first, parameters.split(theta))
+
     n, N, m, _ = sizes(first)
     rows = 6 + N
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        robot = parameters.placed(theta)
+        robot = robot_at(theta)
 
         def function(x: Array, u: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
             system = assembly.assembled(robot, x)
             load = load_of(robot, places, w, pushes)
-            found = sensitivity.parameter_sensitivity(parameters.placed, theta, system, u, load)
+            found = sensitivity.parameter_sensitivity(robot_at, theta, system, u, load)
             return merged(found), assembly.health(system)
 
         return function

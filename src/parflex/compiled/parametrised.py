@@ -10,6 +10,7 @@ import numpy as np
 from parflex.array import Array
 from parflex.compiled.backend import Function, Trigger
 from parflex.compiled.kernels import Kernel
+from parflex.designs import placed
 from parflex.parameters import Parameters
 
 Build = Callable[..., Kernel]
@@ -33,7 +34,7 @@ def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kerne
     plain = build(parameters.first, *chosen)
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        return build(parameters.placed(theta), *chosen).function
+        return build(placed(parameters.first, parameters.split(theta)), *chosen).function
 
     return for_any(parameters, plain, at)
 
@@ -87,6 +88,9 @@ class At(Function):
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function(*inputs, self.theta)
+
+    def run(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.function.run(*inputs, self.theta)
 
     def each(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function.each(*inputs, self.theta)

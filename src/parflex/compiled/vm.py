@@ -1,6 +1,5 @@
 """Backend "vm": kernels traced into CasADi graphs and run by its virtual machine."""
 
-import threading
 from collections.abc import Sequence
 
 import casadi
@@ -36,15 +35,10 @@ class VmFunction(Function):
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
         self.graph = trace(kernel)
-        self._workspace = threading.local()  # of the comfortable call: arguments, results, trigger
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         batch, rows = flat_batch(self.kernel, inputs)
-        if not hasattr(self._workspace, "own"):
-            arguments = [np.zeros(n) for n in self.kernel.inputs]
-            results = [np.zeros(n) for n in self.kernel.outputs]
-            self._workspace.own = arguments, results, self.bind(arguments, results)
-        arguments, results, trigger = self._workspace.own
+        arguments, results, trigger = self.workspace
         count = rows[0].shape[0]
         found = [np.empty((count, n)) for n in self.kernel.outputs]
         for i in range(count):
