@@ -204,6 +204,20 @@ def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of):
     assert 1 < run.dataset.sizes["time"] < len(times)
 
 
+@pytest.mark.parametrize("method", ["RK45", "Radau"])
+def test_methods_agree(model, method):
+    """With the eighth-order one, within what their tolerances promise."""
+    _, forces = model.static(*model.robot.home_pose)
+    runs = [
+        pf.simulate(model, 1.02 * forces, model.robot.home, TIMES, rtol=1e-9, atol=1e-11, method=name).dataset
+        for name in ("DOP853", method)
+    ]
+    assert runs[1].attrs["integrator"] == method
+    assert np.max(np.abs(runs[1].position - runs[0].position)) <= 1e-7
+    with pytest.raises(pf.InputError, match="method is 'Euler'"):
+        pf.simulate(model, forces, model.robot.home, TIMES, method="Euler")
+
+
 @pytest.mark.parametrize("kind", ["forces", "joint controller", "computed torque"])
 def test_integrators_agree(model_of, kind):
     """CyRK on machine code and SciPy on the virtual machine, under constant loads in both frames; and

@@ -7,9 +7,10 @@ from benchmarks.report import Section, micro
 from benchmarks.rows import direct_rows
 from benchmarks.timing import alternate
 from parflex.compiled import kernels
+from parflex.compiled.loops import program
 from parflex.compiled.native import widest
-from parflex.compiled.vm import trace
 from parflex.robot import Robot
+from parflex.robots.delta import delta
 
 ROWS = 1024
 
@@ -21,7 +22,7 @@ def ask() -> Section:
     section = Section("Cost against modes and legs: one direct model", head)
     peaks, best = [Peak(1), Peak(widest())], {}
     for name, robot in robots().items():
-        count, cells = trace(kernels.direct(robot)).n_instructions(), []
+        count, cells = program(kernels.direct(robot)).operations, []
         for peak in peaks:
             model = direct_rows(robot, peak.lanes, ROWS).one_thread()
             times = alternate({"model": model, "peak": peak.run})
@@ -42,8 +43,13 @@ def ask() -> Section:
 def robots() -> dict[str, Robot]:
     """The paper's plate with more modes, and U-P-S robots with more legs."""
     plates = {f"paper, N = {modes}": pf.robots.gough_stewart(modes) for modes in (0, 10, 40)}
-    return plates | {
-        f"{legs} legs, random body, N = {modes}": zoo.ups(legs, modes).robot
-        for modes in (0, 10)
-        for legs in (6, 12, 24)
-    }
+    others = {"flexible Delta, N = 9": delta(), "6 legs, random body, N = 40": zoo.ups(6, 40).robot}
+    return (
+        plates
+        | others
+        | {
+            f"{legs} legs, random body, N = {modes}": zoo.ups(legs, modes).robot
+            for modes in (0, 10)
+            for legs in (6, 12, 24)
+        }
+    )

@@ -1,4 +1,4 @@
-"""An integrator that does not return to Python within a hundred steps: CyRK's DOP853 on machine code."""
+"""An integrator that does not return to Python within a hundred steps: CyRK's methods on machine code."""
 
 import ctypes
 from collections.abc import Sequence
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 CHUNK = 100  # steps between two returns to Python: where Ctrl-C, progress and singularities are looked at
 DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as were allowed
-DOP853 = 5  # its number of the method
+NUMBERS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # of its methods
 MEMORY = 2000  # MB that a chunk may take
 
 # void rhs(dy, t, y, args, _): the flat state and the works follow from the kernel whose arrays are in
@@ -121,11 +121,13 @@ class Chunks(Stepper):
         law: "Law",
         function: NativeFunction,
         more: Sequence[Array],
+        method: int,
         t: float,
         y: Array,
         tolerances: dict[str, float],
     ) -> None:
         self.t, self.y, self.steps = t, y.copy(), 0
+        self._method = method
         self._law, self._function, self._inputs = law, function, [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
@@ -158,7 +160,7 @@ class Chunks(Stepper):
         self._refused[:] = np.nan
         solver = cyrk()
         found = solver.solve(
-            driver()[1], self.t, times[-1], self.y.ctypes.data, size, DOP853, len(times), 0,
+            driver()[1], self.t, times[-1], self.y.ctypes.data, size, self._method, len(times), 0,
             self._args.ctypes.data, self._args.nbytes, CHUNK, MEMORY, False, times.ctypes.data, len(times),
             None, None, 0, self._rtol.ctypes.data, 1, self._atol.ctypes.data, 1, self._longest, 0.0, True,
         )  # fmt: skip
@@ -189,7 +191,7 @@ class Chunks(Stepper):
         return
 
 
-def chunks(law: "Law", t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
+def chunks(law: "Law", method: str, t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
     """The integrator for a law, where law, backend and machine allow it."""
     function: Function = law.function
     more: list[Array] = []
@@ -201,7 +203,7 @@ def chunks(law: "Law", t: float, y: Array, tolerances: dict[str, float]) -> Chun
         cyrk()
     except (ImportError, OSError):  # not installed, or not for this processor
         return None
-    return Chunks(law, function, more, t, y, tolerances)
+    return Chunks(law, function, more, NUMBERS[method], t, y, tolerances)
 
 
 @cache
