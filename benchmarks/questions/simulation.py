@@ -80,7 +80,7 @@ def matched() -> Section:
             section.add(name, program, setting, f"{missed:.1e}", f"{seconds:.3g}", f"{seconds / first:.3g}")
     section.notes = [
         "each over the largest change of position, attitude and bend, at 51 output times",
-        "parflex's time includes its energy ledger, but not the labels of its dataset, made at the first look",
+        "parflex's time includes its energy ledger, but not its labelled dataset, made at the first look",
     ]
     return section
 
