@@ -364,9 +364,7 @@ def other_branch(sample):
 
 def test_report_of_a_singular_pose_says_so():
     """At Fichter's pose there is nothing to report."""
-    from test_mobility import six_ups
-
-    model = six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
+    model = zoo.six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
     with pytest.raises((pf.SingularPose, pf.NotConverged), match="singularity"):
         model.output_report(model.robot.home)
 

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 import parflex as pf
 from conftest import relative
 from parflex.files.body_file import FIELDS, MOMENTS, save_body
+from parflex.files.json_schema import ALL_SCHEMAS
 from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
 from parflex.files.templates import write_templates
@@ -403,16 +404,12 @@ def test_every_number_of_a_joint_has_a_field():
 
 @pytest.mark.parametrize("name", ["robot", "trajectory"])
 def test_schemas_of_the_documentation_are_up_to_date(name):
-    from parflex.files.json_schema import ALL_SCHEMAS
-
     stored = Path(__file__).parent.parent / "docs" / f"{name}.schema.json"
     assert json.loads(stored.read_text(encoding="utf-8")) == ALL_SCHEMAS[name]()
 
 
 @pytest.mark.parametrize("name", ["robot", "trajectory"])
 def test_every_field_is_described(name):
-    from parflex.files.json_schema import ALL_SCHEMAS
-
     schema = ALL_SCHEMAS[name]()
     page = (Path(__file__).parent.parent / "docs" / "robot-files.md").read_text(encoding="utf-8")
     for table in (schema, *schema["$defs"].values()):

@@ -9,9 +9,11 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from parflex.spatial import quaternion_rate
 from parflex.state import Layout, coordinates, pack
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
@@ -53,10 +55,6 @@ def test_controllers_of_all_kinds_agree(model, held):
 
 def test_tighter_tolerance_changes_little(model):
     """Two tolerances, and an independent integrator (LSODA on the flat model) agree."""
-    from scipy.integrate import solve_ivp
-
-    from parflex.spatial import quaternion_rate
-
     _, forces = model.static(*model.robot.home_pose)
     push, home, c = 1.05 * forces, model.robot.home, model.compiled()
     N, x, out = 3, np.zeros(19), np.zeros(9)

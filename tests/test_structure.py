@@ -5,6 +5,7 @@ import inspect
 import pkgutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -12,7 +13,8 @@ import parflex as pf
 
 MECHANICS = (
     "array", "spatial", "chain", "legs", "body", "platform", "modes", "robot", "state", "kinematics",
-    "assembly", "dynamics", "cartesian", "energy", "singular", "wrench", "parameters", "designs",
+    "assembly", "dynamics", "cartesian", "energy", "singular", "wrench", "answers", "branches", "closure",
+    "geometry", "mobility", "redundancy", "search", "statics", "parameters", "designs",
 )  # fmt: skip
 
 
@@ -31,8 +33,6 @@ def test_mechanics_imports_numpy_alone():
 
 def test_heavy_tools_stay_at_the_rim():
     """Each is imported in its own folder or modules only."""
-    from pathlib import Path
-
     homes = {
         "casadi": ("compiled",),
         "llvmlite": ("compiled",),

@@ -7,7 +7,7 @@ from benchmarks.report import Section, micro
 from benchmarks.rows import direct_rows
 from benchmarks.timing import alternate
 from parflex.compiled import kernels
-from parflex.compiled.native import lanes
+from parflex.compiled.native import widest
 from parflex.compiled.vm import trace
 from parflex.robot import Robot
 
@@ -16,10 +16,10 @@ ROWS = 1024
 
 def ask() -> Section:
     """Operations of the direct model, its time on one thread, and that over what the operations need."""
-    together = f"µs, {lanes()} together"
+    together = f"µs, {widest()} together"
     head = ("robot", "operations", "µs, one alone", "over scalar peak", together, "over vector peak")
     section = Section("Cost against modes and legs: one direct model", head)
-    peaks, best = [Peak(1), Peak(lanes())], {}
+    peaks, best = [Peak(1), Peak(widest())], {}
     for name, robot in robots().items():
         count, cells = trace(kernels.direct(robot)).n_instructions(), []
         for peak in peaks:
@@ -31,7 +31,7 @@ def ask() -> Section:
             best[peak.lanes] = max(best.get(peak.lanes, 0.0), per_second)
         section.add(name, count, *cells)
     section.notes = [
-        f"peak: {best[1] / 1e9:.1f} and {best[lanes()] / 1e9:.1f} · 10⁹ operations per second, measured in "
+        f"peak: {best[1] / 1e9:.1f} and {best[widest()] / 1e9:.1f} · 10⁹ operations per second, measured in "
         "turn with each model: independent fused multiply–adds, of which each counts as two",
         "machine code alone, on a thousand states; a flat call from Python costs a microsecond or two more",
         "random bodies have dense moment tensors, plates sparse ones",

@@ -84,10 +84,10 @@ def examined(robot: Robot, x: Array) -> tuple[System, Array]:
 
 
 def by_group(robot: Robot, vectors: Array) -> list[Array]:
-    """Vectors (…, k, 3) of all tips as one (…, L, t, 3) per group."""
+    """Vectors (…, k, c) of all tips as one (…, L, t, c) per group."""
     ends = pairwise(np.cumsum([0, *(group.attachments.size for group in robot.groups)]))
     return [
-        vectors[..., first:last, :].reshape(vectors.shape[:-2] + group.attachments.shape + (3,))
+        vectors[..., first:last, :].reshape(vectors.shape[:-2] + group.attachments.shape + vectors.shape[-1:])
         for group, (first, last) in zip(robot.groups, ends, strict=True)
     ]
 

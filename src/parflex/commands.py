@@ -144,7 +144,7 @@ def table_of(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
     """Rows of words under their heads."""
     table = Table(*heads)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(escape(cell) for cell in row))
     return table
 
 

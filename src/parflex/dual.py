@@ -25,6 +25,8 @@ class Dual:
             return Dual(
                 self.value + other.value, [a + b for a, b in zip(self.parts, other.parts, strict=True)]
             )
+        if isinstance(other, np.ndarray):
+            return NotImplemented
         return Dual(self.value + other, self.parts)
 
     __radd__ = __add__
@@ -42,6 +44,8 @@ class Dual:
         if isinstance(other, Dual):
             u, v = self.value, other.value
             return Dual(u * v, [a * v + b * u for a, b in zip(self.parts, other.parts, strict=True)])
+        if isinstance(other, np.ndarray):
+            return NotImplemented
         if other == 0:
             return 0.0
         return Dual(self.value * other, [a * other for a in self.parts])

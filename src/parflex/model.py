@@ -10,12 +10,23 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex import assembly, cartesian, closure, search, singular
-from parflex.answers import Accelerations, Forces, Legs, Reactions, by_attachment, by_leg, legs_of
+from parflex.answers import (
+    Accelerations,
+    DirectJacobian,
+    Forces,
+    InverseJacobian,
+    Legs,
+    Reactions,
+    by_attachment,
+    by_leg,
+    by_rows,
+    legs_of,
+)
 from parflex.array import Array
 from parflex.assembly import System, examined
 from parflex.cartesian import Cartesian
 from parflex.check import broadcast_together, finite, of_type
-from parflex.compiled import choose, kernels
+from parflex.compiled import choose, jacobians, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
@@ -29,7 +40,7 @@ from parflex.output import FrameOutput, Output
 from parflex.parameters import Parameters
 from parflex.robot import Robot
 from parflex.state import State, Wrench, unpack
-from parflex.wrench import generalised_force
+from parflex.wrench import generalised_force, places_of, pushes_of
 from parflex.zero_dynamics import OutputReport, output_report
 
 
@@ -77,7 +88,7 @@ class Model:
                 f"model.direct or model.inverse"
             )
         other = copy(self)
-        other.robot, other._theta = rebuilt(self._parameters.first, self._parameters.split(theta)), theta
+        other.robot, other._theta = rebuilt(self._parameters, theta), theta
         other.family = Family(other, self.family)
         return other
 
@@ -136,6 +147,56 @@ class Model:
         if np.any(beyond):
             warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=3)
         return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
+
+    @on_branch
+    def direct_jacobian(
+        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
+    ) -> DirectJacobian:
+        """Derivatives of the accelerations of `direct` by state, forces, loads and parameters; exact.
+
+        The wrenches are held in the frame they are given in. The derivatives are those of the formulas:
+        for robots of fewer freedoms they hold for motions that the closure allows.
+
+        Raises as `direct`, and InputError for a batch of wrenches.
+        """
+        x = self.flat(state)
+        u = finite("forces", forces, (self.robot.n_forces,))
+        given = self._jacobian_inputs(x, state, wrenches, forces=u)
+        places = places_of(wrenches)
+        *found, health = self.function(jacobians.direct_jacobian, places)(x, u, *given)
+        self.check(x, health)
+        by_parameter = np.zeros((*found[0].shape[:-1], 0))
+        if self._parameters.items:
+            by_parameter = self.function(jacobians.parameter_jacobian, places)(x, u, *given)[0]
+        rows = 6 + self.robot.platform.modes
+        return DirectJacobian(*(by_rows(part, rows) for part in (*found, by_parameter)))
+
+    @on_branch
+    def inverse_jacobian(
+        self,
+        state: State,
+        target: ArrayLike,
+        output: Output | None = None,
+        wrenches: Sequence[Wrench] = (),
+    ) -> InverseJacobian:
+        """Derivatives of the forces of `inverse` by state and target; exact.
+
+        Raises as `inverse`, and InputError for a batch of wrenches, and where the output has not as many
+        rows as there are actuators.
+        """
+        output, m = self._commanded(output), self.robot.n_forces
+        if output.size != m:
+            raise InputError(
+                f"output has {output.size} rows and the robot {m} actuators; the derivative is known for "
+                f"as many rows as actuators: choose another output"
+            )
+        x, wanted = self.flat(state), finite("target", target, (m,))
+        given = self._jacobian_inputs(x, state, wrenches, target=wanted)
+        run = self.function(jacobians.inverse_jacobian, output, places_of(wrenches))
+        *found, health = run(x, wanted, *given)
+        self.check(x, health)
+        singular.check_finite(found[0])
+        return InverseJacobian(*(by_rows(part, m) for part in found))
 
     @on_branch
     def cartesian(self, state: State) -> Cartesian:
@@ -318,7 +379,20 @@ class Model:
         """The kernel, which takes θ where the model has parameters."""
         if not self._parameters.items:
             return build(self.robot, *chosen)
+        if build is jacobians.parameter_jacobian:
+            return build(self._parameters, *chosen)
         return parametrised(self._parameters, build, *chosen)
+
+    def _jacobian_inputs(
+        self, x: Array, state: State, wrenches: Sequence[Wrench], **argument: Array
+    ) -> tuple[Array, Array]:
+        """No generalised force, and single wrenches side by side (6 L,)."""
+        w = generalised_force(self.robot.platform, state, wrenches)
+        pushes = pushes_of(wrenches)
+        if pushes.ndim > 1:
+            raise InputError(f"wrenches are a batch {pushes.shape[:-1]}; derivatives take single ones")
+        broadcast_together(state=x, **argument)
+        return np.zeros(w.shape[-1]), pushes
 
     def _values(self, parameters: Mapping[str, ArrayLike] | None) -> Array:
         """θ (…, P), by default the model's."""

@@ -4,7 +4,10 @@ Small motions of the state are (δp 3 in Σ0, δθ 3 in Σp, δv_p 3, δω_p 3, 
 the attitude turned by R → R (1 + δθ̂).
 """
 
-from typing import NamedTuple
+import math
+from dataclasses import replace
+from itertools import pairwise
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,6 +17,7 @@ from parflex.array import (
     block,
     contract,
     cross,
+    for_each,
     join,
     merged,
     mtv,
@@ -30,6 +34,9 @@ from parflex.legs.base import LegGroup
 from parflex.platform import axial, contractions
 from parflex.robot import Robot
 from parflex.state import Coordinates
+
+INERTIAS = ("M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k")  # tables of a chain, by link
+GEOMETRY = ("gamma", "b", "alpha", "d", "theta", "r", "q_0")
 
 
 class PlatformTangent(NamedTuple):
@@ -109,9 +116,7 @@ def leg_tangent(robot: Robot, leg: LegTerms, x: Coordinates, qdd: Array, f: Arra
     group, carries = leg.group, leg.group.type.carries
     n, rows = group.chain.n, 3 * len(group.tip_frames)
     force = mv(leg.R_ip, f)
-    given = [x.q[..., group.carried], x.qd[..., group.carried]] if carries else [leg.place, leg.velocity]
-    seeds = join(given) if carries else join([merged(part) for part in given])
-    found = jacobian(lambda seeds: leg_residual(robot, group, seeds, qdd, force), seeds)
+    found = residual_tangent(robot, group, leg_seeds(leg, x), qdd, force)
     R_pi = transpose(leg.R_ip[..., 0, :, :])
     JA = transpose(solve_definite(leg.A, transpose(leg.J)))
     H = blockwise(R_pi, found[..., n:, :]) - JA @ found[..., :n, :]
@@ -123,10 +128,49 @@ def leg_tangent(robot: Robot, leg: LegTerms, x: Coordinates, qdd: Array, f: Arra
     return LegTangent(H[..., :rows], H[..., rows:], H[..., :0], H[..., :0], mobility)
 
 
-def leg_residual(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force: Array) -> Array:
+def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
+    """What the equations of the legs are functions of: see `leg_residual`."""
+    carried = leg.group.carried
+    if leg.group.type.carries:
+        return join([x.q[..., carried], x.qd[..., carried]])
+    return join([merged(leg.place), merged(leg.velocity)])
+
+
+def residual_tangent(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force: Array) -> Array:
+    """∂ of `leg_residual` by its seeds, (…, L, n + 3t, d); leg by leg where their geometry is the same."""
+    gravity = mtv(group.rotation, np.asarray(robot.gravity))
+    c, d = group.chain, seeds.shape[-1]
+    shapes = [getattr(c, name).shape[1:] for name in INERTIAS]
+    ends = list(pairwise(np.cumsum([0, *(math.prod(shape) for shape in shapes)])))
+
+    def tangent(seeds: Array, qdd: Array, force: Array, gravity: Array, tables: Array) -> Array:
+        parts = [tables[:, i:j].reshape((-1, *shape)) for (i, j), shape in zip(ends, shapes, strict=True)]
+        one = group
+        if len(tables) < len(group.legs):
+            rest: dict[str, Any] = {name: getattr(c, name)[:1] for name in GEOMETRY}
+            one = group._replace(chain=replace(c, **rest), offsets=group.offsets[:1], branch=group.branch[:1])
+        held: dict[str, Any] = dict(zip(INERTIAS, parts, strict=True))
+        one = one._replace(chain=replace(one.chain, **held))
+        push = force.reshape((*force.shape[:-1], force.shape[-1] // 3, 3))
+        return merged(jacobian(lambda x: leg_residual(one, x, qdd, push, gravity), seeds))
+
+    tables = [getattr(c, name).reshape(len(group.legs), -1) for name in INERTIAS]
+    rows = [seeds, qdd, merged(force), gravity, np.concatenate(tables, axis=-1)]
+    found = for_each(tangent, rows) if alike(group) else tangent(*rows)
+    return found.reshape((*found.shape[:-1], found.shape[-1] // d, d))
+
+
+def alike(group: LegGroup) -> bool:
+    """Whether the legs differ in nothing but inertia, friction, springs and where they stand."""
+    tables = [*(getattr(group.chain, name) for name in GEOMETRY), group.offsets, group.branch]
+    return all(np.all(table == table[:1]) for table in tables)
+
+
+def leg_residual(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> Array:
     """(A q̈ + c + Jᵀ f, J q̈ + J̇q̇): (…, L, n + 3t) in Σ0i.
 
-    seeds are places and velocities of the tips in Σ0i, or q and q̇; force (…, L, t, 3) is in Σ0i.
+    seeds are places and velocities of the tips, or q and q̇; force (…, L, t, 3), gravity (L, 3); all in
+    Σ0i.
     """
     c, half = group.chain, seeds.shape[-1] // 2
     first, second = seeds[..., :half], seeds[..., half:]
@@ -137,7 +181,6 @@ def leg_residual(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force:
     joints = group.type.joints(group, place, first)
     frames = chain.frames(c, joints)
     qd = group.type.rates(group, frames, joints, place, velocity, second)
-    gravity = mtv(group.rotation, np.asarray(robot.gravity))
     motions = chain.link_motions(c, frames, qd, qdd, gravity)
     tips, accelerations = chain.Reaction([np.zeros(3)] * c.n, [np.zeros(3)] * c.n), []
     for t, j in enumerate(group.tip_frames):
@@ -153,4 +196,5 @@ def leg_residual(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force:
 def blockwise(R: Array, a: Array) -> Array:
     """R (…, 3, 3) times each three rows of a (…, 3 r, c)."""
     parts = a.reshape(a.shape[:-2] + (a.shape[-2] // 3, 3, a.shape[-1]))
-    return (R[..., None, :, :] @ parts).reshape(a.shape)
+    turned = R[..., None, :, :] @ parts
+    return turned.reshape(turned.shape[:-3] + a.shape[-2:])

@@ -6,14 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parflex.array import Array
-from parflex.closure import (
-    ALL,
-    accelerated,
-    carried_part,
-    displaced,
-    size_of,
-    units,
-)
+from parflex.closure import ALL, accelerated, carried_part, displaced, size_of, units
 from parflex.compiled import kernels
 from parflex.mobility import null_space, scaled_closure
 from parflex.output import Output

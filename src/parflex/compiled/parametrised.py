@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -33,12 +34,19 @@ def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kerne
     plain = build(parameters.first, *chosen)
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        return build(placed(parameters.first, parameters.split(theta)), *chosen).function
+        return build(placed(parameters, theta), *chosen).function
+
+    return for_any(parameters, plain, at)
+
+
+def for_any(parameters: Parameters, plain: Kernel, at: Callable[[Array], Callable[..., Any]]) -> Kernel:
+    """The kernel whose function for θ (P,) is `at(θ)`, otherwise like a plain one."""
 
     def function(*inputs: Array) -> tuple[Array, ...]:
         *given, theta = inputs
         if len(theta) == 1:
-            return at(theta[0])(*given)
+            only: tuple[Array, ...] = at(theta[0])(*given)
+            return only
         designs, which = np.unique(theta, axis=0, return_inverse=True)
         found = [np.empty((len(theta), n)) for n in plain.outputs]
         for i, design in enumerate(designs):

@@ -14,15 +14,19 @@ from parflex.singular import NO_INERTIA
 
 
 def trace(kernel: Kernel) -> casadi.Function:
-    """The CasADi graph of a kernel: the kernel itself, run on a batch of one state of symbols."""
+    """The CasADi graph of a kernel."""
+    inputs, outputs = traced(kernel)
+    return casadi.Function(kernel.name, inputs, outputs, {"cse": True})
+
+
+def traced(kernel: Kernel) -> tuple[list[casadi.SX], list[casadi.SX]]:
+    """The kernel itself, run on a batch of one state of symbols: inputs and outputs."""
     inputs = [symbols(f"i{i}", size) for i, size in enumerate(kernel.inputs)]
     try:
         outputs = kernel.function(*(array[None] for _, array in inputs))
     except ZeroDivisionError:  # a constant pivot of an inertia matrix
         raise SingularPose(f"at any state, {NO_INERTIA}") from None
-    return casadi.Function(
-        kernel.name, [sx for sx, _ in inputs], [vector(array) for array in outputs], {"cse": True}
-    )
+    return [sx for sx, _ in inputs], [vector(array) for array in outputs]
 
 
 class VmFunction(Function):
