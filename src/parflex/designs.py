@@ -14,17 +14,18 @@ from parflex.array import Array, solve_definite, without_roundoff
 from parflex.body import FlexibleBody, diagonals, modal_masses
 from parflex.legs import LegGroup
 from parflex.modes import with_point
-from parflex.parameters import OF_MODES, Parameter, modal_values
+from parflex.parameters import OF_MODES, Parameter, Parameters, modal_values
 from parflex.robot import Robot
 
 Values = Sequence[tuple[Parameter, Array]]  # parameters with their values (*shape)
 
 
-def rebuilt(robot: Robot, values: Values) -> Robot:
-    """The robot as if it had been built with the values.
+def rebuilt(parameters: Parameters, theta: Array) -> Robot:
+    """The robot as if it had been built with θ (P,).
 
     Raises InputError where it cannot be.
     """
+    robot, values = parameters.first, parameters.split(theta)
     changes: dict[tuple[int, int], dict[str, Any]] = {}
     for item, value in values:
         for i in item.legs:
@@ -40,11 +41,12 @@ def rebuilt(robot: Robot, values: Values) -> Robot:
     return replace(robot, legs=tuple(legs), platform=body, **gravity_in(values))
 
 
-def placed(robot: Robot, values: Values) -> Robot:
-    """The robot for the mechanics alone, with the values in its tables; nothing is checked.
+def placed(parameters: Parameters, theta: Array) -> Robot:
+    """The robot for the mechanics alone, with θ (P,) in its tables; nothing is checked.
 
-    What does not depend on them, geometry above all, it shares with the robot.
+    What does not depend on θ, geometry above all, it shares with the first robot.
     """
+    robot, values = parameters.first, parameters.split(theta)
     groups = tuple(retabled(group, values) for group in robot.groups)
     tables = {"groups": groups, "platform": laden(robot.platform, values), "rows": robot.rows}
     found: Robot = altered(robot, tables | gravity_in(values))

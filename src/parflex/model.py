@@ -88,7 +88,7 @@ class Model:
                 f"model.direct or model.inverse"
             )
         other = copy(self)
-        other.robot, other._theta = rebuilt(self._parameters.first, self._parameters.split(theta)), theta
+        other.robot, other._theta = rebuilt(self._parameters, theta), theta
         other.family = Family(other, self.family)
         return other
 

@@ -40,7 +40,7 @@ class Function(ABC):
     @property
     def workspace(self) -> Workspace:
         """Inputs and outputs of this thread, and the call that goes from one to the other."""
-        own = self.__dict__.setdefault("_own", threading.local())
+        own = self.__dict__.get("_own") or self.__dict__.setdefault("_own", threading.local())
         if not hasattr(own, "workspace"):
             arguments, results = (
                 [np.zeros(n) for n in sizes] for sizes in (self.kernel.inputs, self.kernel.outputs)

@@ -5,6 +5,7 @@ at places of the platform, side by side.
 """
 
 from collections.abc import Callable
+from functools import partial
 
 from parflex import assembly, sensitivity
 from parflex.array import Array, merged
@@ -51,20 +52,16 @@ def inverse_jacobian(robot: Robot, output: Output, places: Places) -> Kernel:
 def parameter_jacobian(parameters: Parameters, places: Places) -> Kernel:
     """(x, u, w, pushes, θ) -> ∂(V̇_p, q̈_e)/∂θ; health."""
     first = parameters.first
-
-    def robot_at(theta: Array) -> Robot:
-        return placed(first, parameters.split(theta))
-
     n, N, m, _ = sizes(first)
     rows = 6 + N
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        robot = robot_at(theta)
+        robot = placed(parameters, theta)
 
         def function(x: Array, u: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
             system = assembly.assembled(robot, x)
             load = load_of(robot, places, w, pushes)
-            found = sensitivity.parameter_sensitivity(robot_at, theta, system, u, load)
+            found = sensitivity.parameter_sensitivity(partial(placed, parameters), theta, system, u, load)
             return merged(found), assembly.health(system)
 
         return function

@@ -34,7 +34,7 @@ def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kerne
     plain = build(parameters.first, *chosen)
 
     def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        return build(placed(parameters.first, parameters.split(theta)), *chosen).function
+        return build(placed(parameters, theta), *chosen).function
 
     return for_any(parameters, plain, at)
 
