@@ -198,4 +198,4 @@ def place_numbers(body: FreeBody, held: tuple[Place, ...]) -> tuple[int, ...]:
 
 def by_node(rows: Array) -> Array:
     """(3K, N) as (N, K, 3)."""
-    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], -1, 3))
+    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], len(rows) // 3, 3))

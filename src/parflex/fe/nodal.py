@@ -46,7 +46,7 @@ def body_of_matrices(
     surface = np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles, dtype=int)
 
     def moments(vectors: Array) -> Moments:
-        return nodal_moments(r, scalar, vectors.T.reshape(-1, len(r), 3))
+        return nodal_moments(r, scalar, vectors.T.reshape(vectors.shape[1], len(r), 3))
 
     return FreeBody(
         nodes=r,
