@@ -2,12 +2,13 @@
 
 from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
 from parflex.fe.free_body import FreeBody
+from parflex.fe.material import Material
 from parflex.fe.mesh import SolidMesh, solid_mesh
 from parflex.fe.mesh_file import read_mesh
 from parflex.fe.netgen_mesh import Rib, Step, outline_mesh, step_mesh
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
-from parflex.fe.solid import Material, solid_body
+from parflex.fe.solid import solid_body
 
 __all__ = [
     "Basis",

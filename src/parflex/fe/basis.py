@@ -172,6 +172,7 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
         source=body.source,
         notes=(*body.notes, *notes),
         tool=numbers[-1] if tool else None,
+        solid=body.solid,
         reduction=reduction,
     )
 
