@@ -24,7 +24,7 @@ VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of symme
 def write_fields(
     modes: Modes, result: "Result", path: str | os.PathLike[str], times: Sequence[float] | None = None
 ) -> list[Path]:
-    """Displacement (m), strain, stress and von Mises stress (Pa) of a run, on the undeformed solid, for ParaView.
+    """Displacement (m), strain, stress and von Mises stress (Pa) of a run on a solid, for ParaView.
 
     path is that of the .pvd file; beside it come files NAME_0000.vtu and so on, one for each of `times`
     (s), by default all of the run; each is the nearest output time. Warp by `displacement`.
