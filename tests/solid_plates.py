@@ -24,5 +24,5 @@ def plate() -> pf.fe.FreeBody:
 
 @cache
 def modes() -> pf.Modes:
-    """Six free–free modes and attachment modes at the corners and the tool."""
-    return pf.fe.FreeFreeWithAttachment(6, JOINTS, TOOL, RADIUS).modes(plate())
+    """Nine free–free modes and attachment modes at the corners and the tool."""
+    return pf.fe.FreeFreeWithAttachment(9, JOINTS, TOOL, RADIUS).modes(plate())

@@ -94,7 +94,7 @@ def test_converged_is_the_smallest(hexagon):
 
 def test_unreachable_tolerance_is_said(hexagon):
     with pytest.raises(pf.NotConverged, match="96 free–free modes with attachment modes do not meet"):
-        pf.fe.FreeFree(1).modes(hexagon).converged(1e-9, up_to=20_000.0)
+        pf.fe.FreeFree(1).modes(hexagon).converged(1e-9, up_to=3000.0)
 
 
 @pytest.mark.parametrize(
@@ -136,7 +136,7 @@ def test_solid_with_tool_is_right():
     assert error.places == ("joint 1", "joint 2", "joint 3", "joint 4", "tool", "tool moment")
     assert np.all(error.compliance <= 5e-3)  # directions below 1e-3 of the largest are left out
     assert np.all(error.pinned_error <= 1e-2)
-    every = pf.fe.FreeFreeWithAttachment(6, JOINTS, TOOL, RADIUS, negligible=0.0).modes(plate())
+    every = pf.fe.FreeFreeWithAttachment(9, JOINTS, TOOL, RADIUS, negligible=0.0).modes(plate())
     assert np.all(every.error.compliance <= 1e-6)
 
 
@@ -160,11 +160,10 @@ def test_platform_of_a_solid():
     assert np.max(np.abs(body.rotation_shapes[:, found.tool])) > 0.1
 
 
-def test_solid_is_a_little_softer_than_the_plate():
-    """Kirchhoff's plate has no shear: the solid's first frequencies lie below by less than 2 %."""
+def test_solid_and_thin_plate_are_alike():
+    """Two theories of the same plate: the first four frequencies within 1 %."""
     thin = pf.fe.plate_modes(JOINTS[:, :2], 0.02, 7e10, 0.3, 2700.0, n_modes=4)
-    solid = modes().frequencies[:4]
-    assert np.all((solid < thin.frequencies) & (solid > 0.98 * thin.frequencies))
+    assert np.max(np.abs(modes().frequencies[:4] / thin.frequencies - 1)) <= 1e-2
 
 
 def mechanism():
@@ -189,7 +188,10 @@ WRONG = {
     ),
     "two on one node": (attached(points=JOINTS[[0, 1, 2, 0]]), "joint 1 and joint 4 both hold node"),
     "tool on a joint": (attached(tool=JOINTS[1]), "joint 2 and tool both hold node"),
-    "few nodes": (attached(radius=0.011), "joint 1 at .* has 2 nodes within 0.011 m, too few"),
+    "few nodes": (
+        attached(radius=0.009),
+        "joint 1 at .* has 1 of the surface's nodes within 0.009 m, too few",
+    ),
     "unknown node": (attached(points=[0, 99999]), r"points\[1\] is node 99999"),
     "ragged": (attached(points=[(0, 0, 0), (1, 0)]), "points is ragged"),
     "negative": (lambda: pf.fe.FreeFree(-1), "n is -1"),
