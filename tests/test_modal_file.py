@@ -74,6 +74,24 @@ def test_robot_file_names_it_in_one_line(file):
     assert np.allclose(body.attachment_points, JOINTS, atol=1e-12)
 
 
+def test_robot_file_names_a_step_file(tmp_path):
+    """A solid platform in one line of a robot file is the one made in Python."""
+    occ = pytest.importorskip("netgen.occ")
+    from parflex.files.platform_tables import platform
+    from parflex.files.robot_schema import SolidTable
+
+    occ.Box((0, 0, 0), (600, 400, 30)).WriteStep(str(tmp_path / "plate.step"))
+    points = [(0.05, 0.05, 0.0), (0.55, 0.05, 0.0), (0.3, 0.35, 0.0)]
+    line = {"file": "plate.step", "size": "120 mm", "young": "70 GPa", "poisson": 0.3, "density": 2700.0}
+    table = SolidTable(kind="solid", attachments=points, radius=0.06, modes=3, **line)
+    body = platform(table, tmp_path)
+    mesh = pf.fe.step_mesh(tmp_path / "plate.step", size=0.12)
+    solid = pf.fe.solid_body(mesh, pf.fe.Material(7e10, 0.3, 2700.0))
+    expected = pf.fe.FreeFreeWithAttachment(3, points, radius=0.06).modes(solid)
+    assert np.allclose(body.stiffness, expected.frequencies**2)
+    assert np.allclose(body.attachment_points, np.array(points) - [0.3, 0.2, 0.015], atol=1e-9)
+
+
 def truncated(file):
     file.write_bytes(file.read_bytes()[:5000])
 

@@ -10,6 +10,7 @@ from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
 from parflex.fe.recovery import Fields, recover
 from parflex.fe.solid import solid_body
+from parflex.fe.sources import mesh_from, modes
 from parflex.fe.vtk_file import write_fields
 from parflex.files.body_file import read_modes, write_modes
 
@@ -24,6 +25,8 @@ __all__ = [
     "SolidMesh",
     "Step",
     "body_of_matrices",
+    "mesh_from",
+    "modes",
     "outline_mesh",
     "plate_body",
     "plate_modes",
