@@ -1,5 +1,6 @@
 """Finite elements: where platforms get their modes."""
 
+from parflex.fe.accuracy import BasisError, with_mesh_error
 from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
 from parflex.fe.free_body import FreeBody
 from parflex.fe.material import Material
@@ -16,6 +17,7 @@ from parflex.files.body_file import read_modes, write_modes
 
 __all__ = [
     "Basis",
+    "BasisError",
     "Fields",
     "FreeBody",
     "FreeFree",
@@ -36,6 +38,7 @@ __all__ = [
     "solid_body",
     "solid_mesh",
     "step_mesh",
+    "with_mesh_error",
     "write_fields",
     "write_modes",
 ]
