@@ -50,7 +50,9 @@ def test_modes_of_a_rectangle(parflex, tmp_path):
     code, out, err = parflex("modes", *corners, "--thickness", "0.01", "--young", "70e9", "--poisson",
                              "0.33", "--density", "2700", "--modes", "4")  # fmt: skip
     assert code == 0, err
-    assert "mass 6.4800 kg, centre of mass (0.3, 0.2) m" in out
+    words = " ".join(out.split())
+    assert "mass │ 6.48 kg" in words
+    assert "centre of mass │ (0.3, 0.2, 0) m" in words
     assert "Table 2" not in out
     assert (tmp_path / "parflex-modes" / "modes.png").stat().st_size > 10_000
 
@@ -60,6 +62,26 @@ def test_modes_of_the_paper_are_compared(parflex):
     assert "Table 2" in out
     assert "-8.84 %" in out
     assert "cut a degenerate pair" in out
+
+
+def test_modes_of_a_step_file(parflex, tmp_path):
+    """Report, picture, and a modal file that holds what the report says."""
+    occ = pytest.importorskip("netgen.occ")
+    occ.Box((0, 0, 0), (400, 300, 20)).WriteStep("plate.step")
+    joints = [word for at in ("0.04,0.04,0", "0.36,0.04,0", "0.2,0.26,0") for word in ("-a", at)]
+    code, out, err = parflex("modes", "plate.step", *joints, "--tool", "0.2,0.15,0.02", "--radius", "0.04",
+                             "--size", "0.08", "--young", "70e9", "--density", "2700", "--damping",
+                             "0.01")  # fmt: skip
+    assert code == 0, err
+    words = " ".join(out.split())
+    assert "mass │ 6.48 kg" in words
+    assert "rigid modes │ 6, their stiffness" in words
+    assert "static compliance │ right to" in words
+    found = pf.fe.read_modes(tmp_path / "parflex-modes" / "modes.h5")
+    assert f"{found.frequencies[0]:.3f}" in words
+    assert np.all(found.frequency_error[:3] < 0.05)
+    assert found.corners == tuple(range(found.tool - 3, found.tool))
+    assert (tmp_path / "parflex-modes" / "modes.png").stat().st_size > 10_000
 
 
 def test_doctor_passes(parflex):
@@ -90,6 +112,10 @@ def test_help_teaches(parflex):
         (("modes", "-c", "0;0"), "--corner is '0;0'"),
         (("modes", "-c", "0,0", "-c", "1,0"), "polygon has 2 corners"),
         (("modes", "--poisson", "0.7"), "poisson is 0.7"),
+        (("modes", "plate.step"), "--attach is not given"),
+        (("modes", "plate.vtu", "-a", "0,0,0"), "unit is not given"),
+        (("modes", "plate.step", "-a", "0,0"), "--attach is '0,0'; write it as \"x,y,z\""),
+        (("modes", "none.step", "-a", "0,0,0"), "none.step cannot be read"),
     ],
 )
 def test_errors_are_one_sentence(parflex, tmp_path, words, message):
