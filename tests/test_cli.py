@@ -225,7 +225,8 @@ def test_names_with_brackets_are_told_as_they_are(parflex, tmp_path):
         code, out, err = parflex(*words, "--out", "[red]seen")
         assert code == 0, err
         assert "drawn in [red]seen/" in out
-    assert {path.name for path in (tmp_path / "[red]seen").iterdir()} == {"[bold]mine.png", "modes.png"}
+    seen = {path.name for path in (tmp_path / "[red]seen").iterdir()}
+    assert seen == {"[bold]mine.png", "modes.png", "modes.h5"}
 
 
 def test_pictures_replace_older_ones_or_leave_them(tmp_path):

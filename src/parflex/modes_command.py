@@ -109,7 +109,9 @@ def modes(
     report(found, published(paper, thickness, material))
     file = write_modes(found, out / "modes.h5", origin=(0, 0, 0) if paper else None, damping_ratio=damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
-    console.print(f"[bold]{file}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True)
+    console.print(
+        f"[bold]{escape(str(file))}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True
+    )
     if len(found.frequencies):
         step(start, "drawing the shapes")
         [picture] = plot.save({"modes": plot.mode_shapes(found)}, out, image)

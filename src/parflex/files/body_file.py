@@ -159,11 +159,11 @@ def opened(path: Path) -> xr.Dataset:
         raise InputError(f"file is {path.name}, which is damaged or no modal file; write it again") from None
     if data.attrs.get("format") != FORMAT:
         raise InputError(f"file is {path.name}, which holds no platform of format {FORMAT!r}")
-    if data.attrs.get("checksum") != checksum(data):
-        raise InputError(f"file is {path.name}, which was altered after it was written; write it again")
     missing = [name for name in MOMENTS | FIELDS if name not in data and name not in OPTIONAL]
     if missing:
         raise InputError(f"file is {path.name}, which lacks {', '.join(missing)}; write it again")
+    if data.attrs.get("checksum") != checksum(data):
+        raise InputError(f"file is {path.name}, which was altered after it was written; write it again")
     return data
 
 
