@@ -1,11 +1,14 @@
 """Modal data of a free platform, whatever computed it, and its inertia integrals."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from parflex.array import Array
+
+if TYPE_CHECKING:
+    from parflex.fe.check_report import CheckReport
 
 
 class Moments(NamedTuple):
@@ -30,7 +33,8 @@ class Modes:
     nodes (K, 3) m; triangles (T, 3) of the surface; shapes Φ_d (N, K, 3) kg^-½ and rotations Φ_r
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
     corners are the node numbers held by default; `source` says what computed them, `notes` what a
-    reader of results must know.
+    reader of results must know. Of imported modes, ids (K,) are the other program's node numbers and
+    `report` is the check report.
     """
 
     nodes: Array
@@ -43,6 +47,8 @@ class Modes:
     corners: tuple[int, ...]
     source: str
     notes: tuple[str, ...] = ()
+    ids: tuple[int, ...] = ()
+    report: "CheckReport | None" = None
 
 
 def shifted(old: Moments, o: Array) -> Moments:

@@ -2,6 +2,7 @@
 
 from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
 from parflex.fe.free_body import FreeBody
+from parflex.fe.nastran import read_nastran
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
 
@@ -13,4 +14,5 @@ __all__ = [
     "body_of_matrices",
     "plate_body",
     "plate_modes",
+    "read_nastran",
 ]
