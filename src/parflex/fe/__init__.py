@@ -1,18 +1,30 @@
 """Finite elements: where platforms get their modes."""
 
+from parflex.fe.attach import attached
 from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
+from parflex.fe.calculix import calculix_body, read_calculix
 from parflex.fe.free_body import FreeBody
+from parflex.fe.importers import IMPORTERS, import_modes
+from parflex.fe.matrices import read_matrices
+from parflex.fe.modal_arrays import read_arrays
 from parflex.fe.nastran import read_nastran
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
 
 __all__ = [
+    "IMPORTERS",
     "Basis",
     "FreeBody",
     "FreeFree",
     "FreeFreeWithAttachment",
+    "attached",
     "body_of_matrices",
+    "calculix_body",
+    "import_modes",
     "plate_body",
     "plate_modes",
+    "read_arrays",
+    "read_calculix",
+    "read_matrices",
     "read_nastran",
 ]

@@ -64,7 +64,8 @@ def accepted(read: ImportedModes) -> Modes:
     check_rigid_modes(read, parts, rigid, fields)
     still = turns_missing(read, parts, rigid)
     elastic = np.flatnonzero(~rigid)[np.argsort(read.squares[~rigid], kind="stable")]
-    check_size(read, body, elastic)
+    size = float(np.max(np.ptp(read.nodes, axis=0)))
+    check_size(size, body.mass, float(np.sqrt(read.squares[elastic[0]])))
     deviation = deviations(read, parts, elastic)
     repaired = repair_note(read, deviation, elastic)
     modes = orthonormal(read, parts, elastic, fields, bool(repaired))
@@ -244,15 +245,13 @@ def residual(read: ImportedModes, rigid: Array) -> float:
     return float(np.max(np.abs(read.squares[rigid]), initial=0.0) / lowest)
 
 
-def check_size(read: ImportedModes, body: RigidBody, elastic: Array) -> None:
-    """Size, mass and frequency are those of something."""
-    size = float(np.max(np.ptp(read.nodes, axis=0)))
-    speed = size * float(np.sqrt(read.squares[elastic[0]]))
-    bulk = body.mass / size**3
-    if not (SLOWNESS[0] <= speed <= SLOWNESS[1] and BULK[0] <= bulk <= BULK[1]):
+def check_size(size: float, mass: float, omega: float) -> None:
+    """Raises InputError where nothing has such a size (m), mass (kg) and first elastic frequency (rad/s)."""
+    speeds = SLOWNESS[0] <= size * omega <= SLOWNESS[1]
+    if not (speeds and BULK[0] * size**3 <= mass <= BULK[1] * size**3):
         raise InputError(
-            f"units make this a body of {size:.3g} m and {body.mass:.3g} kg whose first elastic mode is at "
-            f"{speed / size:.3g} rad/s, which nothing is; name the units that the file was written in"
+            f"units make this a body of {size:.3g} m and {mass:.3g} kg whose first elastic mode is at "
+            f"{omega:.3g} rad/s, which nothing is; name the units that the file was written in"
         )
 
 
@@ -284,7 +283,7 @@ def repair_note(read: ImportedModes, deviation: Array, elastic: Array) -> tuple[
             f"mode {k} is not orthonormal or carries momentum, by {np.max(deviation):.2g}, {others}; the "
             f"file is damaged, or belongs to another model"
         )
-    other = "lumped" if read.mass_kind == "consistent" else "consistent"
+    other = "consistent" if read.mass_kind == "lumped" else "lumped"
     return (
         f"the modes were computed with another mass matrix ({other}?) than the {read.mass_kind} one read "
         f"here: ΦᵀMΦ and momenta were off by {worst:.1e}; they were made orthonormal in the {read.mass_kind} "

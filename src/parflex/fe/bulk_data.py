@@ -13,7 +13,7 @@ from parflex.array import Array
 from parflex.errors import InputError
 from parflex.fe.elements import ELEMENTS, Elements, mass_matrix, surface
 from parflex.fe.free_body import Sparse
-from parflex.fe.units import Units, check_material
+from parflex.fe.unit_systems import Units, check_material
 
 Card = list[Any]
 

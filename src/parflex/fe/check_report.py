@@ -73,10 +73,39 @@ class CheckReport:
         return f", within {apart:.1e} of its own"
 
     def __str__(self) -> str:
-        rows = self.rows()
-        wide = max(len(what) for what, _ in rows)
-        lines = [self.source, *(f"  {what:<{wide}}  {found}" for what, found in rows)]
-        return "\n".join([*lines, *(f"  note: {note}" for note in self.notes)])
+        return table(self.source, self.rows(), self.notes)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyReport:
+    """The check report of imported matrices; `first` bounds the first elastic frequency from above."""
+
+    source: str
+    body: RigidBody
+    unknowns: int
+    residual_stiffness: float
+    first: float
+
+    def rows(self) -> list[tuple[str, str]]:
+        """What was checked, and what was found."""
+        return [
+            ("unknowns", f"{self.unknowns}"),
+            ("mass", f"{self.body.mass:.6g} kg"),
+            ("centre of mass", f"{vector(self.body.com)} m"),
+            ("inertia about it", f"{principal(self.body)} kg m² (principal)"),
+            ("rigid motions", f"free; their stiffness is {self.residual_stiffness:.1e} of the first mode's"),
+            ("first elastic mode", f"below {self.first:.4g} rad/s"),
+        ]
+
+    def __str__(self) -> str:
+        return table(self.source, self.rows(), ())
+
+
+def table(source: str, rows: list[tuple[str, str]], notes: tuple[str, ...]) -> str:
+    """Rows under the source, in columns, and the notes."""
+    wide = max(len(what) for what, _ in rows)
+    lines = [source, *(f"  {what:<{wide}}  {found}" for what, found in rows)]
+    return "\n".join([*lines, *(f"  note: {note}" for note in notes)])
 
 
 def vector(values: Array) -> str:

@@ -4,7 +4,7 @@ m_ij = ∫ N_i N_j dm, over a volume, a surface or a line; nodes in the order of
 files of CalculiX share.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
@@ -16,6 +16,9 @@ from skfem.refdom import Refdom, RefHex, RefLine, RefQuad, RefTet, RefTri, RefWe
 
 from parflex.array import Array
 from parflex.fe.free_body import Sparse
+
+BATCH = 2000  # elements integrated at once
+EXACT = 8  # degree that integrates N_i N_j of all of them, where edges are straight
 
 TRIANGLE = ((0, 0), (1, 0), (0, 1))
 QUAD = ((0, 0), (1, 0), (1, 1), (0, 1))
@@ -45,31 +48,43 @@ class Element:
         return np.vstack([corners, *middles])
 
     @cached_property
-    def tabulated(self) -> tuple[Array, Array, Array]:
-        """N (n, Q), ∂N/∂ξ (n, d, Q) and weights (Q,) at points that integrate N_i N_j."""
-        at, weights = quadrature(self.reference)
+    def sides(self) -> tuple[tuple[int, ...], ...]:
+        """The nodes in the middle of each face's edges; empty where there are none."""
+        place = {frozenset(edge): len(self.corners) + k for k, edge in enumerate(self.edges)}
+        around = [zip(face, (*face[1:], face[0]), strict=True) for face in self.faces]
+        return tuple(tuple(place[frozenset(edge)] for edge in edges if place) for edges in around)
+
+    def tabulated(self, degree: int) -> tuple[Array, Array, Array]:
+        """N (n, Q), ∂N/∂ξ (n, d, Q) and weights (Q,) at the points of a rule of quadrature."""
+        at, weights = quadrature(self.reference, degree)
         to_shapes = np.linalg.inv(monomials(self.powers, self.points.T)).T
         d = len(at)
         slopes = [to_shapes @ monomials(self.powers, at, axis).T for axis in range(d)]
         return to_shapes @ monomials(self.powers, at).T, np.stack(slopes, axis=1), weights
 
-    def masses(self, places: Array, density: Array) -> Array:
+    def masses(self, places: Array, density: Array, degree: int = EXACT) -> Array:
         """∫ N_i N_j dm (E, n, n) of elements at places (E, n, 3), of a density (E,) per measure."""
-        N, slopes, weights = self.tabulated
-        J = np.einsum("idq,eia->eqad", slopes, places)
-        measure = np.sqrt(np.maximum(np.linalg.det(np.swapaxes(J, -1, -2) @ J), 0.0))
-        return np.einsum("iq,jq,eq,e->eij", N, N, measure * weights, density, optimize=True)
+        N, slopes, weights = self.tabulated(degree)
+        blocks = []
+        for first in range(0, len(places), BATCH):
+            some = slice(first, first + BATCH)
+            J = np.einsum("idq,eia->eqad", slopes, places[some])
+            measure = np.sqrt(np.maximum(np.linalg.det(np.swapaxes(J, -1, -2) @ J), 0.0))
+            blocks.append(np.einsum("iq,jq,eq,e->eij", N, N, measure * weights, density[some], optimize=True))
+        return np.concatenate(blocks)
 
-    def measures(self, places: Array) -> Array:
-        """Volume, area or length (E,)."""
-        return np.sum(self.masses(places, np.ones(len(places))), axis=(1, 2))
 
+def quadrature(reference: type[Refdom], degree: int) -> tuple[Array, Array]:
+    """Points (d, Q) and weights (Q,), exact to a degree, in each direction of a brick; 0 is the centroid.
 
-def quadrature(reference: type[Refdom]) -> tuple[Array, Array]:
-    """Points (d, Q) and weights (Q,), exact to degree 8 at least."""
+    A prism has the rule of a line of that degree, times that of a triangle of three less.
+    """
+    if degree == 0:
+        points, weights = get_quadrature(reference, 1)
+        return (points @ weights / np.sum(weights))[:, None], np.sum(weights, keepdims=True)
     if reference is not RefWedge:
-        return get_quadrature(reference, 8)
-    (flat, areas), (along, lengths) = get_quadrature(RefTri, 8), get_quadrature(RefLine, 8)
+        return get_quadrature(reference, degree)
+    (flat, areas), (along, lengths) = quadrature(RefTri, max(degree - 3, 0)), get_quadrature(RefLine, degree)
     points = [np.repeat(flat, len(lengths), axis=1), np.tile(along, len(areas))]
     return np.vstack(points), np.repeat(areas, len(lengths)) * np.tile(lengths, len(areas))
 
@@ -136,11 +151,17 @@ class Elements:
     density: Array
 
 
-def mass_matrix(places: Array, parts: Iterable[Elements], lumped: bool) -> Sparse:
-    """m (K, K) of nodes (K, 3): consistent, or its rows summed on the diagonal."""
+def mass_matrix(
+    places: Array, parts: Iterable[Elements], lumped: bool = False, degrees: Mapping[str, int] | None = None
+) -> Sparse:
+    """m (K, K) of nodes (K, 3): consistent, or its rows summed on the diagonal.
+
+    degrees are those of the quadrature of each kind of element, by default exact.
+    """
     total = sparse.csr_array((len(places), len(places)))
     for part in parts:
-        blocks = ELEMENTS[part.kind].masses(places[part.nodes], part.density)
+        degree = EXACT if degrees is None else degrees[part.kind]
+        blocks = ELEMENTS[part.kind].masses(places[part.nodes], part.density, degree)
         n = part.nodes.shape[1]
         rows, columns = np.repeat(part.nodes, n, axis=1), np.tile(part.nodes, (1, n))
         flat = (blocks.ravel(), (rows.ravel(), columns.ravel()))
@@ -150,27 +171,34 @@ def mass_matrix(places: Array, parts: Iterable[Elements], lumped: bool) -> Spars
 
 def surface(parts: Iterable[Elements]) -> Array:
     """Triangles (T, 3) of shells, and of the faces of solids that have no neighbour."""
-    found = [np.zeros((0, 3), dtype=int)]
-    lone: dict[tuple[int, ...], list[tuple[int, ...]]] = {}
+    found, faces = [np.zeros((0, 3), dtype=int)], []
     for part in parts:
         element = ELEMENTS[part.kind]
-        shell = len(element.faces) == 1
-        for face in element.faces:
-            corners = part.nodes[:, list(face)]
-            if shell:
-                found.append(triangles(corners))
-                continue
-            for key, row in zip(map(tuple, np.sort(corners, axis=1)), corners, strict=True):
-                lone.setdefault(key, []).append(tuple(row))
-    outer = [rows[0] for rows in lone.values() if len(rows) == 1]
-    for n in (3, 4):
-        faces = [row for row in outer if len(row) == n]
-        if faces:
-            found.append(triangles(np.array(faces)))
+        for corners, middles in zip(element.faces, element.sides, strict=True):
+            face = part.nodes[:, [*corners, *middles]]
+            if len(element.faces) == 1:
+                found.append(triangles(face, len(corners)))
+            else:
+                faces.append((face, len(corners)))
+    lone = without_neighbour([face[:, :count] for face, count in faces])
+    found += [triangles(face[alone], count) for (face, count), alone in zip(faces, lone, strict=True)]
     return np.concatenate(found)
 
 
-def triangles(faces: Array) -> Array:
-    """Faces (F, 3 or 4) cut into triangles."""
-    fans = [faces[:, [0, k, k + 1]] for k in range(1, faces.shape[1] - 1)]
-    return np.concatenate(fans)
+def without_neighbour(faces: list[Array]) -> list[Array]:
+    """Which faces (F, 3 or 4) of each group share their corners with no other; (F,) bool each."""
+    if not faces:
+        return []
+    keys = [np.sort(np.pad(face, ((0, 0), (0, 4 - face.shape[1])), constant_values=-1)) for face in faces]
+    _, inverse, count = np.unique(np.concatenate(keys), axis=0, return_inverse=True, return_counts=True)
+    return np.split((count == 1)[inverse.ravel()], np.cumsum([len(face) for face in faces])[:-1])
+
+
+def triangles(face: Array, corners: int) -> Array:
+    """Faces (F, 3 or 4 corners, then as many middles or none) cut into triangles."""
+    middles = np.arange(corners, face.shape[1])
+    if len(middles) == 0:
+        return np.concatenate([face[:, [0, k, k + 1]] for k in range(1, corners - 1)])
+    tips = [(middles[k - 1], k, middles[k]) for k in range(corners)]
+    inner = [(middles[0], middles[k], middles[k + 1]) for k in range(1, corners - 1)]
+    return np.concatenate([face[:, list(triangle)] for triangle in (*tips, *inner)])

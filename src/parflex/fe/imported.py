@@ -75,3 +75,12 @@ def inner(mass: Sparse, left: Array, right: Array) -> Array:
     a, b = (np.moveaxis(field, 1, 0) for field in (left, right))  # (K, A, 3)
     heavy = (mass @ b.reshape(len(b), -1)).reshape(b.shape)
     return np.einsum("kai,kbi->ab", a, heavy, optimize=True)
+
+
+def cosines(mass: Sparse, shapes: Array) -> float:
+    """The largest |cos| between two modes in the mass's scalar product; infinite where one moves no mass."""
+    gram = inner(mass, shapes, shapes)
+    own = np.diagonal(gram)
+    if not np.all(own > 0):
+        return np.inf
+    return float(np.max(np.abs(gram / np.sqrt(np.outer(own, own)) - np.eye(len(gram)))))

@@ -10,9 +10,9 @@ from parflex.array import Array
 from parflex.errors import InputError
 from parflex.fe.acceptance import accepted
 from parflex.fe.bulk_data import BulkModel, read_bulk
-from parflex.fe.imported import ImportedModes, RigidBody, inner, rigid_body
+from parflex.fe.imported import ImportedModes, RigidBody, cosines, inner, rigid_body
 from parflex.fe.op2 import Op2Modes, read_op2
-from parflex.fe.units import Units, units_named
+from parflex.fe.unit_systems import Units, units_named
 from parflex.modes import Modes
 from parflex.progress import waiting
 
@@ -103,7 +103,7 @@ def fitting(model: BulkModel, shapes: Array) -> tuple[str, tuple[str, ...]]:
     A note where it is not the one that the bulk data ask for.
     """
     asked = next(iter(model.masses))
-    apart = {kind: correlation(inner(mass, shapes, shapes)) for kind, mass in model.masses.items()}
+    apart = {kind: cosines(mass, shapes) for kind, mass in model.masses.items()}
     best = min(apart, key=lambda kind: apart[kind])
     if apart[asked] <= SINGLE or best == asked:
         return asked, ()
@@ -111,14 +111,6 @@ def fitting(model: BulkModel, shapes: Array) -> tuple[str, tuple[str, ...]]:
         f"the bulk data ask for the {asked} mass matrix, but the modes are those of the {best} one "
         f"(orthogonal to {apart[best]:.0e} in it, to {apart[asked]:.0e} in the other), which is taken",
     )
-
-
-def correlation(gram: Array) -> float:
-    """The largest |cos| between two modes; infinite where a mode moves no mass."""
-    own = np.diagonal(gram)
-    if not np.all(own > 0):
-        return np.inf
-    return float(np.max(np.abs(gram / np.sqrt(np.outer(own, own)) - np.eye(len(gram)))))
 
 
 def normalisation(modes: Op2Modes, gram: Array, one: float) -> tuple[str, Array | None]:
