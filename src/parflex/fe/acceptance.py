@@ -18,6 +18,7 @@ from parflex.fe.imported import ImportedModes, RigidBody, inner, rigid_body, rig
 from parflex.fe.integrals import nodal_moments, rigid_momentum
 from parflex.modes import Modes
 
+BEYOND = 1e30  # in SI units, what nothing is
 RIGID_SHARE = 0.95  # of a mode's kinetic energy in rigid motion, from which it counts as a rigid mode
 ELASTIC_SHARE = 0.05  # up to which it counts as an elastic one
 RESIDUAL = 1e-4  # ω² of a rigid mode against the first elastic one, at most
@@ -93,13 +94,16 @@ def accepted(read: ImportedModes) -> Modes:
 def check_finite(read: ImportedModes) -> None:
     """Every number of the modes is one."""
     for fields in (read.shapes, read.rotations):
-        if fields is not None and not np.all(np.isfinite(fields)):
-            mode, node, _ = np.argwhere(~np.isfinite(fields))[0]
+        if fields is not None and not np.all(np.abs(fields) < BEYOND):
+            mode, node, _ = np.argwhere(~(np.abs(fields) < BEYOND))[0]
             raise InputError(
-                f"mode {mode + 1} is not finite at node {read.ids[node]}; the file is damaged: write it again"
+                f"mode {mode + 1} is beyond all bounds at node {read.ids[node]}; the file is damaged: "
+                f"write it again"
             )
-    if not np.all(np.isfinite(read.squares)):
-        raise InputError("a frequency is not finite; the file is damaged: write it again")
+    if not np.all(np.abs(read.squares) < BEYOND):
+        raise InputError("a frequency is beyond all bounds; the file is damaged: write it again")
+    if not np.all(np.abs(read.nodes) < BEYOND) or not np.all(np.abs(read.mass.data) < BEYOND):
+        raise InputError("a node or its mass is beyond all bounds; the file is damaged: write it again")
     if len(read.squares) == 0:
         raise InputError("there are no modes in the file; ask the program for them (Nastran: SOL 103, DISP)")
 

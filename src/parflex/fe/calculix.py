@@ -5,7 +5,6 @@ from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from scipy import sparse
 
 from parflex.array import Array
 from parflex.errors import InputError
@@ -15,7 +14,7 @@ from parflex.fe.elements import Elements, mass_matrix, surface
 from parflex.fe.frd import FrdModes, read_frd
 from parflex.fe.free_body import FreeBody, Sparse
 from parflex.fe.imported import ImportedModes, cosines
-from parflex.fe.matrices import free_body
+from parflex.fe.matrices import coordinates, free_body, lines_of
 from parflex.fe.unit_systems import Units, check_material, units_named
 from parflex.modes import Modes
 from parflex.progress import waiting
@@ -168,26 +167,14 @@ def calculix_body(
 def degrees(path: Path) -> Array:
     """(n, 2) node and direction of each unknown, from lines such as 12.3."""
     try:
-        rows = [line.split(".") for line in path.read_text(encoding="latin-1").split()]
+        rows = [line.split(".") for line in lines_of("matrices", path) if line.strip()]
         return np.array([[int(node), int(direction)] for node, direction in rows]).reshape(-1, 2)
-    except OSError as error:
-        raise InputError(f"matrices {path} cannot be read: {error.strerror or error}") from None
+    except InputError:
+        raise
     except ValueError as error:
         raise InputError(f"matrices {path.name} is damaged ({error}); write it again") from None
 
 
 def triangle(path: Path, size: int) -> Sparse:
     """The symmetric matrix (n, n) of lines of row, column, value of one triangle, counted from 1."""
-    try:
-        table = np.loadtxt(path, ndmin=2)
-    except OSError as error:
-        raise InputError(f"matrices {path} cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise InputError(f"matrices {path.name} is damaged ({error}); write it again") from None
-    if table.shape[1:] != (3,) or np.any(table[:, :2] < 1) or np.any(table[:, :2] > size):
-        raise InputError(
-            f"matrices {path.name} does not fit the {size} unknowns of the .dof file; write them again"
-        )
-    i, j = table[:, :2].astype(int).T - 1
-    upper = sparse.coo_array((table[:, 2], (i, j)), shape=(size, size)).tocsr()
-    return upper + upper.T - sparse.diags_array(upper.diagonal())
+    return coordinates("matrices", path.name, lines_of("matrices", path), size, symmetric=True)

@@ -71,7 +71,7 @@ def parsed(name: str, lines: Sequence[bytes]) -> FrdModes:
     materials: dict[int, str] = {}
     modes: list[tuple[Mode, Array]] = []
     told: dict[str, float] = {}
-    at = 0
+    at = announced = 0
     if not lines[0].startswith(b"    1C"):
         raise InputError(f"frd {name} is no result file of CalculiX; give the .frd file of a *FREQUENCY step")
     while at < len(lines) and not lines[at].startswith(b" 9999"):
@@ -86,7 +86,9 @@ def parsed(name: str, lines: Sequence[bytes]) -> FrdModes:
             check_ascii(name, line)
             elements, at = read_elements(name, lines, at, int(line[24:36]))
         elif line.startswith(b"    1P"):
-            told[line[5:10].decode("latin-1").strip()] = float(line.split()[1])
+            key = line[5:10].decode("latin-1").strip()
+            told[key] = float(line.split()[1])
+            announced += key == "PMODE"
         elif line.startswith(b"  100C"):
             check_ascii(name, line)
             count = int(line[24:36])
@@ -99,9 +101,12 @@ def parsed(name: str, lines: Sequence[bytes]) -> FrdModes:
                     raise InputError(f"frd {name} has other nodes in a mode than in the mesh; it is damaged")
                 modes.append((mode_of(name, line, told), values))
             at += count
-    else:
-        if at >= len(lines):
-            raise InputError(f"frd {name} has no end; it is cut short: write it again")
+        elif line != b" -3" and not line.startswith((b"    1C", b"    1U")):
+            raise InputError(f"frd {name} is damaged in line {at}; write it again")
+    if at >= len(lines):
+        raise InputError(f"frd {name} has no end; it is cut short: write it again")
+    if len(modes) != announced:
+        raise InputError(f"frd {name} announces {announced} modes and holds {len(modes)}; write it again")
     return collected(name, ids, nodes, elements, materials, modes)
 
 
@@ -167,9 +172,9 @@ def collected(
 ) -> FrdModes:
     """All that was read, where it is one set of modes of one mesh."""
     numbers = [mode.number for mode, _ in modes]
-    if not modes or len(set(numbers)) != len(numbers):
+    if not modes or numbers != list(range(1, len(numbers) + 1)):
         raise InputError(
-            f"frd {name} holds {len(modes)} modes with numbers {numbers[:3]} …, not each once; run one step "
+            f"frd {name} holds {len(modes)} modes, numbered {numbers[:3]} …; run one step "
             f"of *FREQUENCY with *NODE FILE and U"
         )
     if len(np.unique(ids)) != len(ids) or not elements:

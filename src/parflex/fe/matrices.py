@@ -1,11 +1,12 @@
 """A free body from stiffness and mass matrices in files, of whatever program."""
 
 from collections.abc import Callable
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 
 import numpy as np
-from scipy import io, sparse
+from scipy import sparse
 
 from parflex.array import Array
 from parflex.errors import InputError
@@ -16,6 +17,8 @@ from parflex.fe.imported import rigid_body
 from parflex.fe.nodal import BELOW, body_of_matrices
 from parflex.fe.unit_systems import Units, units_named
 from parflex.progress import waiting
+
+BALANCED = 1e-6  # forces in a rigid motion, of those that its parts make, at most
 
 
 def read_matrices(
@@ -38,10 +41,13 @@ def read_matrices(
     """
     system = units_named(units)
     with waiting("reading the matrices"):
-        table = read_table("nodes", Path(nodes), 4)
+        table = numbers("nodes", Path(nodes).name, lines_of("nodes", Path(nodes)), 4)
         ids = table[:, 0].astype(int)
         K, M = read_matrix("stiffness", Path(stiffness)), read_matrix("mass", Path(mass))
-        rows = None if unknowns is None else numbered(read_table("unknowns", Path(unknowns), 2), ids)
+        rows = None
+        if unknowns is not None:
+            listed = numbers("unknowns", Path(unknowns).name, lines_of("unknowns", Path(unknowns)), 2)
+            rows = numbered(listed, ids)
         names = f"{Path(stiffness).name}, {Path(mass).name}"
         return free_body(ids, table[:, 1:], K, M, rows, None, f"{names}, {units}", system, say)
 
@@ -62,10 +68,23 @@ def free_body(
     if len(np.unique(ids)) != len(ids):
         raise InputError("nodes has an id twice; give each node once")
     body = body_of_matrices(units.length * nodes, K, M, unknowns, triangles, source=source)
+    check_equilibrium(ids, body)
     report = report_of(body)
     check_size(float(np.max(np.ptp(body.nodes, axis=0))), report.body.mass, report.first)
     say(str(report))
     return body
+
+
+def check_equilibrium(ids: Array, body: FreeBody) -> None:
+    """Raises InputError where a rigid motion makes a force at a node: K R = 0 row by row."""
+    largest = abs(body.stiffness) @ np.abs(body.rigid)
+    off = np.max(np.abs(body.stiffness @ body.rigid) / np.max(largest, axis=0), axis=1)
+    worst = int(np.argmax(off))
+    if off[worst] > BALANCED:
+        raise InputError(
+            f"stiffness makes a force of {off[worst]:.1e} of the largest at node {ids[worst // 3]} in a "
+            f"rigid motion; it is held, or at other coordinates in the table of nodes, or a file is damaged"
+        )
 
 
 def report_of(body: FreeBody) -> BodyReport:
@@ -93,27 +112,68 @@ def hat(v: Array) -> Array:
 
 def read_matrix(name: str, path: Path) -> Sparse:
     """A sparse matrix of a file."""
+    if path.suffix != ".npz":
+        return matrix_market(name, path)
     try:
-        return sparse.csr_array(sparse.load_npz(path) if path.suffix == ".npz" else io.mmread(path))
+        matrix = sparse.csr_array(sparse.load_npz(BytesIO(path.read_bytes())))
+        matrix.check_format(full_check=True)
     except OSError as error:
         raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # the readers raise many kinds for a damaged file
+    except Exception as error:  # the reader raises many kinds for a damaged file
         raise InputError(
-            f"{name} {path.name} is no sparse matrix of MatrixMarket or SciPy ({error}); write it again"
+            f"{name} {path.name} is damaged, or of no matrix ({error}); write it again"
         ) from None
+    return matrix
 
 
-def read_table(name: str, path: Path, columns: int) -> Array:
-    """Numbers (n, columns) of a text table, with commas or without."""
+def matrix_market(name: str, path: Path) -> Sparse:
+    """A real matrix in coordinate format, general or symmetric.
+
+    Read here, since SciPy's reader may crash on a damaged file (1.17).
+    """
+    lines = lines_of(name, path)
+    head = lines[0].lower().split()
+    real = head[:3] == ["%%matrixmarket", "matrix", "coordinate"] and head[3:4] in (["real"], ["integer"])
+    if not real or head[4:] not in (["general"], ["symmetric"]):
+        raise InputError(
+            f"{name} {path.name} begins with {lines[0][:60]!r}; expected %%MatrixMarket matrix coordinate "
+            f"real, general or symmetric"
+        )
+    body = [line for line in lines[1:] if line and not line.startswith("%")]
+    size, *entries = body or [""]
+    shape = [int(word) if word.isdigit() else -1 for word in size.split()]
+    if len(shape) != 3 or min(shape) < 0 or shape[0] != shape[1] or len(entries) != shape[2]:
+        raise InputError(f"{name} {path.name} says {size!r} and has {len(entries)} entries; it is damaged")
+    return coordinates(name, path.name, entries, shape[0], head[4] == "symmetric")
+
+
+def lines_of(name: str, path: Path) -> list[str]:
+    """The lines of a text file, one at least."""
     try:
-        text = path.read_text(encoding="latin-1").replace(",", " ")
-        table = np.loadtxt(text.splitlines(), ndmin=2)
+        return path.read_text(encoding="latin-1").splitlines() or [""]
     except OSError as error:
         raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
+
+
+def coordinates(name: str, file: str, entries: list[str], size: int, symmetric: bool) -> Sparse:
+    """The matrix (n, n) of lines of row, column, value, counted from 1; of one triangle if symmetric."""
+    table = numbers(name, file, entries, 3)
+    whole = np.all(table[:, :2] == np.floor(table[:, :2]))
+    if not whole or np.any(table[:, :2] < 1) or np.any(table[:, :2] > size):
+        raise InputError(f"{name} {file} does not fit {size} unknowns; write it again")
+    i, j = table[:, :2].astype(int).T - 1
+    matrix = sparse.coo_array((table[:, 2], (i, j)), shape=(size, size)).tocsr()
+    return matrix + matrix.T - sparse.diags_array(matrix.diagonal()) if symmetric else matrix
+
+
+def numbers(name: str, file: str, lines: list[str], columns: int) -> Array:
+    """Finite numbers (n, columns) of lines, with commas or without."""
+    try:
+        table = np.loadtxt([line.replace(",", " ") for line in lines if line.strip()], ndmin=2)
     except ValueError as error:
-        raise InputError(f"{name} {path.name} is no table of numbers ({error}); correct it") from None
+        raise InputError(f"{name} {file} is no table of numbers ({error}); correct it") from None
     if table.shape[1:] != (columns,) or not np.all(np.isfinite(table)):
-        raise InputError(f"{name} {path.name} has not {columns} finite numbers in each line; correct it")
+        raise InputError(f"{name} {file} has not {columns} finite numbers in each line; correct it")
     return table
 
 

@@ -1,6 +1,7 @@
 """Modes as plain arrays in an HDF5 or NPZ file, for programs that have no reader here."""
 
 from collections.abc import Callable, Mapping
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -44,7 +45,7 @@ def arrays_of(path: Path) -> Mapping[str, Array]:
 
     try:
         if path.suffix == ".npz":
-            with np.load(path, allow_pickle=False) as file:
+            with np.load(BytesIO(path.read_bytes()), allow_pickle=False) as file:
                 return {name: file[name] for name in NAMES if name in file}
         with h5py.File(path, "r") as file:
             return {name: np.asarray(file[name]) for name in NAMES if name in file}

@@ -111,10 +111,9 @@ def modes_in(name: str, file: Any, words: Words) -> Op2Modes:
         )
     modes = list(displacements(name, file, shown[0], words))
     numbers = [number for number, *_ in modes]
-    if len(set(numbers)) != len(numbers) or not numbers:
+    if not numbers or np.any(np.diff(numbers) != 1):
         raise InputError(
-            f"op2 {name} has {len(numbers)} modes with numbers {numbers[:3]} …, not each once; "
-            f"run one subcase of SOL 103"
+            f"op2 {name} has {len(numbers)} modes, numbered {numbers[:3]} …; run one subcase of SOL 103"
         )
     ids = modes[0][2]
     if any(not np.array_equal(ids, other) for _, _, other, _ in modes):
