@@ -6,10 +6,14 @@ from parflex.fe.calculix import calculix_body, read_calculix
 from parflex.fe.free_body import FreeBody
 from parflex.fe.importers import IMPORTERS, import_modes
 from parflex.fe.matrices import read_matrices
+from parflex.fe.mesh import SolidMesh, solid_mesh
+from parflex.fe.mesh_file import read_mesh
 from parflex.fe.modal_arrays import read_arrays
 from parflex.fe.nastran import read_nastran
+from parflex.fe.netgen_mesh import Rib, Step, outline_mesh, step_mesh
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
+from parflex.fe.solid import Material, solid_body
 
 __all__ = [
     "IMPORTERS",
@@ -17,14 +21,23 @@ __all__ = [
     "FreeBody",
     "FreeFree",
     "FreeFreeWithAttachment",
+    "Material",
+    "Rib",
+    "SolidMesh",
+    "Step",
     "attached",
     "body_of_matrices",
     "calculix_body",
     "import_modes",
+    "outline_mesh",
     "plate_body",
     "plate_modes",
     "read_arrays",
     "read_calculix",
     "read_matrices",
+    "read_mesh",
     "read_nastran",
+    "solid_body",
+    "solid_mesh",
+    "step_mesh",
 ]

@@ -93,6 +93,7 @@ def with_places(modes: Modes, groups: list[Array], centres: list[Array]) -> Mode
         shapes=np.concatenate(shapes, axis=1),
         rotations=rotations,
         corners=tuple(corners),
+        reduction=None,
         ids=(*modes.ids, *[0] * (free - len(modes.nodes))) if modes.ids else (),
     )
 
@@ -117,4 +118,5 @@ def first(modes: Modes, n: int | None) -> Modes:
         frequency_error=modes.frequency_error[:n],
         moments=moments._replace(S=moments.S[:, :n], P1=moments.P1[:n], P2=moments.P2[:n, :n]),
         notes=(*modes.notes, *cut_pair(modes.frequencies, n)),
+        reduction=None,
     )

@@ -17,14 +17,16 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.array import Array
-from parflex.check import integer
+from parflex.check import integer, scalar
+from parflex.errors import InputError
 from parflex.fe.canonical import canonical, cut_pair
 from parflex.fe.free_body import FreeBody
 from parflex.fe.integrals import rigid_momentum
 from parflex.fe.joints import Place, places
+from parflex.fe.response import static_response
 from parflex.modes import Modes, shifted
 
-NEGLIGIBLE = 1e-3  # compliance of a residual vector, of the largest
+NEGLIGIBLE = 1e-3  # compliance of a direction, of the largest
 DEPENDENT = 1e-8  # modal mass that is left of a vector beside the others
 
 
@@ -35,22 +37,35 @@ class Columns(NamedTuple):
     notes: tuple[str, ...] = ()
 
 
+class Reduction(NamedTuple):
+    """A body, its places, and the vectors (n, N) that its motion was reduced to."""
+
+    body: FreeBody
+    held: tuple[Place, ...]
+    vectors: Array
+    basis: "Basis"
+
+
 @dataclass(frozen=True, eq=False)
 class Basis(ABC):
     """What is kept of a body's elastic motion.
 
     n free–free modes. points are the joints, node numbers or (k, 3) m, by default the body's corners;
     tool is one more place, where a wrench may act; on solids each is the patch of surface
-    nodes within `radius` m (`joints.places`).
+    nodes within `radius` m (`joints.places`). Directions whose static compliance is below `negligible`
+    of the largest of their kind count as rigid.
     """
 
     n: int
     points: Sequence[int] | ArrayLike | None = None
     tool: int | ArrayLike | None = None
     radius: float | None = None
+    negligible: float = NEGLIGIBLE
 
     def __post_init__(self) -> None:
         integer("n", self.n)
+        if not 0 <= scalar("negligible", self.negligible) < 1:
+            raise InputError(f"negligible is {self.negligible}; give a part of the largest compliance, 0 … 1")
 
     @abstractmethod
     def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
@@ -65,7 +80,7 @@ class Basis(ABC):
         held = places(body, self.points, self.tool, self.radius)
         chosen = self.columns(body, held)
         vectors = orthonormal(body, chosen.vectors, held)
-        return tabulated(body, vectors, held, self.tool is not None, chosen.notes)
+        return tabulated(Reduction(body, held, vectors, self), chosen.notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,49 +97,21 @@ class FreeFreeWithAttachment(Basis):
     """The n lowest free–free modes and residual attachment modes: for a platform held at its joints.
 
     One vector for each force direction at each joint and for each component of a wrench at the tool;
-    those whose compliance is below 1e-3 of the largest of their kind are dropped, and named in the notes.
+    those that would add less than `negligible` of the largest compliance are left out, and named in the
+    notes.
     """
 
     def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
         squares, vectors = body.free_modes(self.n)
         squares, vectors = squares[: self.n], vectors[:, : self.n]
-        loads = loads_of(body, held)
-        flexed = body.flexed(loads.columns)
-        residual = flexed - vectors @ ((vectors.T @ loads.columns) / squares[:, None])
-        kept = worth_keeping(np.sum(loads.columns * residual, axis=0), loads.turning)
+        static = static_response(body, held)
+        loads = static.loads
+        residual = static.flexed - vectors @ ((vectors.T @ loads.columns) / squares[:, None])
+        kept = static.soft(np.sum(loads.columns * residual, axis=0), self.negligible)
         kept = independent(body, residual, kept)
         dropped = [name for name, keep in zip(loads.names, kept, strict=True) if not keep]
-        notes = (f"attachment modes dropped as stiff: {', '.join(dropped)}",) if dropped else ()
+        notes = (f"no attachment modes, as stiff: {', '.join(dropped)}",) if dropped else ()
         return Columns(np.hstack([vectors, residual[:, kept]]), notes)
-
-
-class Loads(NamedTuple):
-    """Unit loads at places: columns (n, p), whether each is a moment, names."""
-
-    columns: Array
-    turning: Array
-    names: tuple[str, ...]
-
-
-def loads_of(body: FreeBody, held: tuple[Place, ...]) -> Loads:
-    """Three forces at each place, and three moments at the tool."""
-    columns, turning, names = [np.zeros((body.unknowns, 0))], [], []
-    for place in held:
-        kinds = [("force", place.displacement)] + [("moment", place.rotation)] * (place.name == "tool")
-        for kind, rows in kinds:
-            columns.append(rows.toarray().T)
-            turning += [kind == "moment"] * 3
-            names += [f"{place.name} {kind} {axis}" for axis in "xyz"]
-    return Loads(np.hstack(columns), np.array(turning, dtype=bool), tuple(names))
-
-
-def worth_keeping(compliance: Array, turning: Array) -> Array:
-    """Which residual vectors are soft enough, beside others of their kind; (p,) bool."""
-    kept = np.zeros(len(compliance), dtype=bool)
-    for kind in (turning, ~turning):
-        largest = np.max(compliance[kind], initial=0.0)
-        kept |= kind & (compliance > NEGLIGIBLE * largest)
-    return kept
 
 
 def independent(body: FreeBody, vectors: Array, kept: Array) -> Array:
@@ -164,10 +151,10 @@ def without_momentum(body: FreeBody, vectors: Array) -> Array:
     return vectors - body.rigid[:, at] @ np.linalg.solve(body.rigid_inertia, momentum)
 
 
-def tabulated(
-    body: FreeBody, vectors: Array, held: tuple[Place, ...], tool: bool, notes: tuple[str, ...]
-) -> Modes:
+def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
     """Shapes at the nodes and at the places, frequencies, integrals."""
+    body, held, vectors, basis = reduction
+    tool = basis.tool is not None
     extra = [place for place in held if place.node is None]
     shapes = by_node(np.vstack([body.displacement @ vectors, *(p.displacement @ vectors for p in extra)]))
     rotations = by_node(np.vstack([body.rotation @ vectors, *(p.rotation @ vectors for p in extra)]))
@@ -184,6 +171,8 @@ def tabulated(
         corners=numbers[: len(held) - tool],
         source=body.source,
         notes=(*body.notes, *notes),
+        tool=numbers[-1] if tool else None,
+        reduction=reduction,
     )
 
 
@@ -198,4 +187,4 @@ def place_numbers(body: FreeBody, held: tuple[Place, ...]) -> tuple[int, ...]:
 
 def by_node(rows: Array) -> Array:
     """(3K, N) as (N, K, 3)."""
-    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], -1, 3))
+    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], len(rows) // 3, 3))

@@ -7,20 +7,25 @@ bases of `basis.py` make modes of it.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from parflex.array import Array
-from parflex.errors import InputError
+from parflex.errors import InputError, NotConverged
 from parflex.modes import Moments
 from parflex.progress import waiting
+
+if TYPE_CHECKING:
+    from parflex.fe.mesh import SolidMesh
+    from parflex.fe.solid import Material
 
 Sparse = Any  # scipy.sparse array or matrix
 
 RIGID = 1e-4  # ω² of a rigid motion against the first elastic one, at most
-ENOUGH = 1e-13  # relative change at which an iterative refinement has converged
+ENOUGH = 1e-9  # relative change at which an iterative refinement has converged, by far: it shrinks 100-fold
+ROUNDS = 40  # of it, at most
 SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
 
 
@@ -35,7 +40,8 @@ class FreeBody:
     about them through the centre of mass, zero columns for motions the body cannot make. `moments`
     gives the inertia integrals of columns of unknowns (n, N), consistent with `mass`. `shift` s⁻²,
     well below the lowest elastic ω² if it can, makes K + shift M definite. `triangles` (T, 3) are
-    a surface; `corners` are the nodes held by default.
+    a surface; `corners` are the nodes held by default. A solid's `mesh` and `materials` are kept for
+    its stresses.
     """
 
     nodes: Array
@@ -51,6 +57,8 @@ class FreeBody:
     corners: tuple[int, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
+    mesh: "SolidMesh | None" = None
+    materials: "tuple[Material, ...]" = ()
 
     @property
     def unknowns(self) -> int:
@@ -88,15 +96,20 @@ class FreeBody:
         return vectors - R @ np.linalg.solve(self.rigid_inertia, R.T @ (self.mass @ vectors))
 
     def flexed(self, load: Array) -> Array:
-        """K⁺ f: the elastic deformation (n, p) under loads and their inertia relief."""
+        """K⁺ f: the elastic deformation (n, p) under loads and their inertia relief.
+
+        Raises NotConverged where the refinement, by which the shift is undone, does not end.
+        """
         load = self.relieved(np.asarray(load, dtype=float))
-        u = self.without_rigid(self.factor(load))
-        for _ in range(60):
+        u = np.zeros_like(load)
+        for _ in range(ROUNDS):
             more = self.without_rigid(self.factor(self.relieved(load - self.stiffness @ u)))
             u = u + more
             if np.all(np.linalg.norm(more, axis=0) <= ENOUGH * np.linalg.norm(u, axis=0)):
-                break
-        return u
+                return u
+        raise NotConverged(
+            "the static response has not converged: the body is nearly in two parts, or a mechanism"
+        )
 
     def free_modes(self, count: int) -> tuple[Array, Array]:
         """ω² (≥ count,) and M-normalised columns of the lowest elastic modes, some to spare.

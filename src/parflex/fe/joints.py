@@ -16,6 +16,7 @@ from parflex.fe.free_body import FreeBody, Sparse
 
 PATCH = 0.025  # of the body's diagonal: a patch's radius where none is given
 FEWEST = 3  # nodes of a patch
+TOOL = "tool"
 
 
 class Place(NamedTuple):
@@ -26,6 +27,11 @@ class Place(NamedTuple):
     node: int | None  # where it is a node of the body
     displacement: Sparse
     rotation: Sparse
+
+    @property
+    def is_tool(self) -> bool:
+        """Whether wrenches act here, and no leg."""
+        return self.name == TOOL
 
 
 def places(
@@ -47,7 +53,7 @@ def places(
     names = [f"joint {number}" for number in range(1, len(wanted) + 1)]
     if tool is not None:
         wanted = np.vstack([wanted, located(body, np.asarray(tool)[None])])
-        names.append("tool")
+        names.append(TOOL)
     if not body.patches:
         return at_nodes(body, names, wanted)
     size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))

@@ -16,7 +16,7 @@ from parflex.modes import Moments
 
 FREE = 1e-3  # stiffness against rigid motions, of the first elastic mode's, at most
 ALIKE = 1e-6  # the mass matrix, in the three directions
-BELOW = 1e-2  # the shift, of an estimate of the first elastic ω²
+BELOW = 1e-3  # the shift, of an estimate of the first elastic ω²
 
 
 def body_of_matrices(
@@ -46,7 +46,7 @@ def body_of_matrices(
     surface = np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles, dtype=int)
 
     def moments(vectors: Array) -> Moments:
-        return nodal_moments(r, scalar, vectors.T.reshape(-1, len(r), 3))
+        return nodal_moments(r, scalar, vectors.T.reshape(vectors.shape[1], len(r), 3))
 
     return FreeBody(
         nodes=r,
@@ -130,16 +130,15 @@ def turns(r: Array, K: Sparse) -> Sparse:
     θ_i = J_i⁻¹ Σ_j s_j × u_j, J_i = Σ_j (|s_j|² 1 − s_j s_jᵀ), s_j from the centre of those nodes.
     """
     count = len(r)
-    pairs = K.tocoo()
-    i, j = np.unique(np.stack([pairs.row // 3, pairs.col // 3]), axis=1)
+    blocks = K.tobsr((3, 3))
+    i, j = np.repeat(np.arange(count), np.diff(blocks.indptr)), blocks.indices
     near = np.bincount(i, minlength=count)
     centre = np.stack([np.bincount(i, r[j, axis], count) / near for axis in range(3)], axis=1)
     s = r[j] - centre[i]
-    starts = np.concatenate([[0], np.cumsum(near)[:-1]])
-    second = np.add.reduceat(s[:, :, None] * s[:, None, :], starts, axis=0)
+    second = np.add.reduceat(s[:, :, None] * s[:, None, :], blocks.indptr[:-1], axis=0)
     J = np.trace(second, axis1=1, axis2=2)[:, None, None] * np.eye(3) - second
-    blocks = np.linalg.pinv(J, rcond=1e-9)[i] @ skew(s)
-    return sparse.bsr_array((blocks, j, np.append(starts, len(j))), shape=(3 * count, 3 * count)).tocsr()
+    turning = np.linalg.pinv(J, rcond=1e-9)[i] @ skew(s)
+    return sparse.bsr_array((turning, j, blocks.indptr), shape=(3 * count, 3 * count)).tocsr()
 
 
 def first_elastic(r: Array, K: Sparse, M: Sparse) -> float:
