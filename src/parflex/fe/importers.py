@@ -49,7 +49,8 @@ def import_modes(
     """The modes of a platform from the files of a program, held at nodes by id or at points.
 
     files by the names of the reader's arguments, such as op2 and bulk; `modes` are the lowest to keep, by
-    default all; with matrices they are computed, with residual attachment modes at the points.
+    default all. With matrices they are computed: so many free–free modes, by default as many as make the
+    basis right to 1 %, and residual attachment modes at the points.
 
     Raises InputError for a program or file that is not known, and what the reader raises.
     """
@@ -78,8 +79,10 @@ def computed(
     radius: float | None,
 ) -> Modes:
     """Modes of matrices in the basis that is right for joints."""
-    if ids is not None or points is None or modes is None:
+    if ids is not None or points is None:
         raise InputError(
-            "matrices have no modes yet; say how many free–free modes, and at which points legs hold"
+            "points is not given; name the points at which legs hold: matrices have no modes yet"
         )
+    if modes is None:
+        return FreeFreeWithAttachment(1, points, radius=radius).modes(body).converged()
     return FreeFreeWithAttachment(modes, points, radius=radius).modes(body)

@@ -18,7 +18,7 @@ from parflex.fe.nodal import BELOW, body_of_matrices
 from parflex.fe.unit_systems import Units, units_named
 from parflex.progress import waiting
 
-BALANCED = 1e-6  # forces in a rigid motion, of those that its parts make, at most
+BALANCED = 1e-8  # forces in a rigid motion, of those that its parts make, at most
 
 
 def read_matrices(

@@ -43,14 +43,14 @@ def arrays_of(path: Path) -> Mapping[str, Array]:
     """The arrays of a file that have names known here."""
     import h5py
 
+    if not path.is_file():
+        raise InputError(f"arrays {path} cannot be read: No such file")
     try:
         if path.suffix == ".npz":
             with np.load(BytesIO(path.read_bytes()), allow_pickle=False) as file:
                 return {name: file[name] for name in NAMES if name in file}
         with h5py.File(path, "r") as file:
             return {name: np.asarray(file[name]) for name in NAMES if name in file}
-    except FileNotFoundError as error:
-        raise InputError(f"arrays {path} cannot be read: {error.strerror or error}") from None
     except Exception as error:  # NumPy and HDF5 raise many kinds for a damaged file
         raise InputError(
             f"arrays {path.name} is damaged, or no .npz or HDF5 file ({error}); write it again"
