@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from parflex.fe.accuracy import BasisError
     from parflex.fe.basis import Reduction
     from parflex.fe.check_report import CheckReport
+    from parflex.fe.material import Material
 
 
 class Moments(NamedTuple):
@@ -30,6 +31,15 @@ class Moments(NamedTuple):
     P2: Array  # (N, N, 3, 3)
 
 
+class Solid(NamedTuple):
+    """What stresses are computed of: elements (E, 10) of nodes, the part (E,) of each, a material for all
+    or for each part."""
+
+    elements: Array
+    parts: Array
+    materials: "tuple[Material, ...]"
+
+
 @dataclass(frozen=True, eq=False)
 class Modes:
     """Elastic modes of a free body, rigid modes removed, normalised to unit modal mass.
@@ -37,9 +47,9 @@ class Modes:
     nodes (K, 3) m; triangles (T, 3) of the surface; shapes Φ_d (N, K, 3) kg^-½ and rotations Φ_r
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
     corners are the node numbers held by default, `tool` is one more where there is one; `source` says
-    what computed them, `notes` what a reader of results must know; `reduction` is the model that they
-    were computed of, where it is at hand. Of imported modes, ids (K,) are the other program's node
-    numbers and `report` is the check report.
+    what computed them, `notes` what a reader of results must know; `solid` are the elements of a solid,
+    `reduction` is the model that the modes were computed of, where it is at hand. Of imported modes, ids
+    (K,) are the other program's node numbers and `report` is the check report.
     """
 
     nodes: Array
@@ -55,6 +65,7 @@ class Modes:
     ids: tuple[int, ...] = ()
     report: "CheckReport | None" = None
     tool: int | None = None
+    solid: Solid | None = None
     reduction: "Reduction | None" = None
 
     @cached_property

@@ -5,6 +5,7 @@ from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
 from parflex.fe.calculix import calculix_body, read_calculix
 from parflex.fe.free_body import FreeBody
 from parflex.fe.importers import IMPORTERS, import_modes
+from parflex.fe.material import Material
 from parflex.fe.matrices import read_matrices
 from parflex.fe.mesh import SolidMesh, solid_mesh
 from parflex.fe.mesh_file import read_mesh
@@ -13,7 +14,7 @@ from parflex.fe.nastran import read_nastran
 from parflex.fe.netgen_mesh import Rib, Step, outline_mesh, step_mesh
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
-from parflex.fe.solid import Material, solid_body
+from parflex.fe.solid import solid_body
 
 __all__ = [
     "IMPORTERS",

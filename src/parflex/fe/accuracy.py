@@ -118,10 +118,11 @@ def truth_of(body: FreeBody, held: tuple[Place, ...], negligible: float, up_to: 
     static = static_response(body, held)
     at_joints = np.repeat([not place.is_tool for place in held for _ in range(1 + place.is_tool)], 3)
     pins = at_joints & static.soft(np.diagonal(static.compliance), negligible)
-    key = (static.loads.columns[:, pins].tobytes(), up_to)
+    C = static.loads.columns[:, pins]
+    key = (C.tobytes(), up_to)
     known: dict[object, Array] = body.__dict__.setdefault("_pinned", {})
     if key not in known:
-        known[key] = pinned_frequencies(body, static.loads.columns[:, pins], up_to)
+        known[key] = body.kept(("pinned", C, up_to), lambda: [pinned_frequencies(body, C, up_to)])[0]
     return Truth(static, pins, known[key])
 
 

@@ -109,9 +109,18 @@ class FreeFreeWithAttachment(Basis):
         residual = static.flexed - vectors @ ((vectors.T @ loads.columns) / squares[:, None])
         kept = static.soft(np.sum(loads.columns * residual, axis=0), self.negligible)
         kept = independent(body, residual, kept)
-        dropped = [name for name, keep in zip(loads.names, kept, strict=True) if not keep]
-        notes = (f"no attachment modes, as stiff: {', '.join(dropped)}",) if dropped else ()
-        return Columns(np.hstack([vectors, residual[:, kept]]), notes)
+        return Columns(np.hstack([vectors, residual[:, kept]]), left_out(loads.names, kept))
+
+
+def left_out(names: tuple[str, ...], kept: Array) -> tuple[str, ...]:
+    """A note that names the loads (place, direction) without an attachment mode."""
+    by_direction: dict[str, list[str]] = {}
+    for name, keep in zip(names, kept, strict=True):
+        place, _, direction = name.partition(" along ")
+        if not keep:
+            by_direction.setdefault(direction, []).append(place)
+    words = [f"{', '.join(places)} along {direction}" for direction, places in by_direction.items()]
+    return (f"no attachment modes, since too stiff: {'; '.join(words)}",) if words else ()
 
 
 def independent(body: FreeBody, vectors: Array, kept: Array) -> Array:
@@ -172,6 +181,7 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
         source=body.source,
         notes=(*body.notes, *notes),
         tool=numbers[-1] if tool else None,
+        solid=body.solid,
         reduction=reduction,
     )
 

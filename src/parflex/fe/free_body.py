@@ -7,24 +7,22 @@ bases of `basis.py` make modes of it.
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from hashlib import sha256
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from parflex.array import Array
 from parflex.errors import InputError, NotConverged
-from parflex.modes import Moments
+from parflex.fe.keep import SMALL, kept
+from parflex.modes import Moments, Solid
 from parflex.progress import waiting
-
-if TYPE_CHECKING:
-    from parflex.fe.mesh import SolidMesh
-    from parflex.fe.solid import Material
 
 Sparse = Any  # scipy.sparse array or matrix
 
 RIGID = 1e-4  # ω² of a rigid motion against the first elastic one, at most
-ENOUGH = 1e-9  # relative change at which an iterative refinement has converged, by far: it shrinks 100-fold
+ENOUGH = 1e-9  # change at which a refinement has converged by far: each is a small part of the last
 ROUNDS = 40  # of it, at most
 SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
 
@@ -40,8 +38,8 @@ class FreeBody:
     about them through the centre of mass, zero columns for motions the body cannot make. `moments`
     gives the inertia integrals of columns of unknowns (n, N), consistent with `mass`. `shift` s⁻²,
     well below the lowest elastic ω² if it can, makes K + shift M definite. `triangles` (T, 3) are
-    a surface; `corners` are the nodes held by default. A solid's `mesh` and `materials` are kept for
-    its stresses.
+    a surface; `corners` are the nodes held by default. `solid`, its elements and materials, is
+    kept for stresses.
     """
 
     nodes: Array
@@ -57,8 +55,7 @@ class FreeBody:
     corners: tuple[int, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
-    mesh: "SolidMesh | None" = None
-    materials: "tuple[Material, ...]" = ()
+    solid: Solid | None = None
 
     @property
     def unknowns(self) -> int:
@@ -100,7 +97,21 @@ class FreeBody:
 
         Raises NotConverged where the refinement, by which the shift is undone, does not end.
         """
-        load = self.relieved(np.asarray(load, dtype=float))
+        given = np.asarray(load, dtype=float)
+        return self.kept(("static", given), lambda: [self._flexed(self.relieved(given))])[0]
+
+    def kept(self, parts: tuple[object, ...], compute: Callable[[], list[Array]]) -> list[Array]:
+        """Arrays that the body and some parts determine: from the cache where computing takes long."""
+        return kept((self.digest, *parts), compute) if self.unknowns > SMALL else compute()
+
+    @cached_property
+    def digest(self) -> tuple[Array, ...]:
+        """What K, M and the shift are told from others by."""
+        matrices = [matrix.tocsr() for matrix in (self.stiffness, self.mass)]
+        held = [getattr(matrix, name) for matrix in matrices for name in ("data", "indices", "indptr")]
+        return tuple(np.frombuffer(sha256(array.tobytes()).digest(), dtype=np.uint8) for array in held)
+
+    def _flexed(self, load: Array) -> Array:
         u = np.zeros_like(load)
         for _ in range(ROUNDS):
             more = self.without_rigid(self.factor(self.relieved(load - self.stiffness @ u)))
@@ -138,13 +149,16 @@ class FreeBody:
         """The lowest eigenpairs, rigid ones included; the largest set computed is kept."""
         known = self.__dict__.get("_pairs")
         if known is None or len(known[0]) < count:
-            n = self.unknowns
-            inverse = LinearOperator((n, n), matvec=self.factor, dtype=float)
-            start = np.random.default_rng(0).standard_normal(n)
-            with waiting(f"computing {count} modes of {n} unknowns"):
-                values, vectors = eigsh(
-                    self.stiffness, count, self.mass, sigma=-self.shift, OPinv=inverse, v0=start, tol=1e-14
-                )
-            order = np.argsort(values)
-            known = self.__dict__["_pairs"] = (values[order], vectors[:, order])
+            known = self.__dict__["_pairs"] = self.kept(("modes", count), lambda: self._eigenpairs(count))
         return known[0][:count], known[1][:, :count]
+
+    def _eigenpairs(self, count: int) -> list[Array]:
+        n = self.unknowns
+        inverse = LinearOperator((n, n), matvec=self.factor, dtype=float)
+        start = np.random.default_rng(0).standard_normal(n)
+        with waiting(f"computing {count} modes of {n} unknowns"):
+            values, vectors = eigsh(
+                self.stiffness, count, self.mass, sigma=-self.shift, OPinv=inverse, v0=start, tol=1e-14
+            )
+        order = np.argsort(values)
+        return [values[order], vectors[:, order]]

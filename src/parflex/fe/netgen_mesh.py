@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array
 from parflex.check import exactly, integer, positive
 from parflex.errors import InputError
+from parflex.fe.keep import kept
 from parflex.fe.mesh import EDGES, SolidMesh, solid_mesh
 from parflex.fe.polygon import simple_polygon
 from parflex.fe.units import length_unit
@@ -172,6 +174,13 @@ def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | Non
     near = np.reshape(np.asarray(fine_at, dtype=float), (-1, 3))
     if len(near) and fine is None:
         raise InputError("fine_at is given without fine, the size of elements there, m")
+    key = ("mesh", drawing(shape), size, near, fine)
+    nodes, elements, parts = kept(key, lambda: mesh_arrays(sized(shape, size, near, fine)))
+    return SolidMesh(nodes, elements, parts)
+
+
+def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> SolidMesh:
+    """The mesh of a size, or of the number of unknowns that is wanted."""
     if size is not None:
         return tetrahedra(shape, positive("size", size), near, fine)
     trial, power = float(np.prod(np.ptp(box(shape), axis=0)) ** (1 / 3)) / 4, 0.45
@@ -185,6 +194,19 @@ def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | Non
             break
         trial *= (count / WANTED) ** power
     return mesh if best is None else best
+
+
+def mesh_arrays(mesh: SolidMesh) -> list[Array]:
+    """What is kept of it."""
+    return [mesh.nodes, mesh.elements, mesh.parts]
+
+
+def drawing(shape: Any) -> bytes:
+    """The shape as Open Cascade writes it, which determines the mesh."""
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "shape.brep"
+        shape.WriteBrep(str(file))
+        return file.read_bytes() + ",".join(str(solid.name) for solid in shape.solids).encode()
 
 
 def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> SolidMesh:

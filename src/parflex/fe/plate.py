@@ -77,10 +77,10 @@ def plate_modes(
     error = np.full(len(modes.frequencies), np.nan)
     known = min(len(error), len(coarse))
     error[:known] = np.abs(coarse[:known] / modes.frequencies[:known] - 1.0)
-    notes = (*modes.notes, *coarse_mesh(error, refine))
-    for note in notes:
+    coarse_notes = coarse_mesh(error[: basis.n], refine)
+    for note in (*(modes.notes if isinstance(basis, FreeFree) else ()), *coarse_notes):
         warnings.warn(note, stacklevel=2)
-    return replace(modes, frequency_error=error, notes=notes)
+    return replace(modes, frequency_error=error, notes=(*modes.notes, *coarse_notes))
 
 
 def plate_body(

@@ -54,5 +54,5 @@ def loads_of(body: FreeBody, held: tuple[Place, ...]) -> Loads:
         for moment, rows in kinds:
             columns.append(rows.toarray().T)
             turning += [moment] * 3
-            names += [f"{place.name} {axis}" + " moment" * moment for axis in "xyz"]
+            names += [f"{place.name}{' moment' * moment} along {axis}" for axis in "xyz"]
     return Loads(np.hstack(columns), np.array(turning, dtype=bool), tuple(names))

@@ -4,42 +4,23 @@
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from scipy import sparse
 
 from parflex.array import Array
-from parflex.check import all_of_type, of_type, positive, scalar
+from parflex.check import all_of_type, of_type
 from parflex.errors import InputError
 from parflex.fe.free_body import FreeBody, Sparse
-from parflex.fe.mesh import SolidMesh
+from parflex.fe.material import Material
+from parflex.fe.mesh import EDGES, SolidMesh
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.tetrahedron import gradients, quadrature
+from parflex.modes import Solid
 
 STRAIGHT, CURVED = (2, 4), (4, 8)  # orders of quadrature of K and M
 HEAVIEST, LARGEST, SMALLEST = 20e3, 20.0, 5e-3  # kg, m: beyond them a unit is likely to be wrong
-
-
-@dataclass(frozen=True)
-class Material:
-    """Young's modulus Pa, Poisson's ratio, density kg/m³."""
-
-    young: float
-    poisson: float
-    density: float
-
-    def __post_init__(self) -> None:
-        positive("Material.young", self.young)
-        positive("Material.density", self.density)
-        if not -1 < scalar("Material.poisson", self.poisson) < 0.5:
-            raise InputError(f"Material.poisson is {self.poisson}; it must lie between -1 and 0.5")
-
-    @property
-    def lame(self) -> tuple[float, float]:
-        """λ and μ, Pa."""
-        E, nu = self.young, self.poisson
-        return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
 
 
 def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_size: bool = False) -> FreeBody:
@@ -54,7 +35,7 @@ def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_siz
     if len(materials) not in (1, parts):
         raise InputError(f"material has {len(materials)} entries, the mesh {parts} parts; give one for each")
     table = np.array([(*m.lame, m.density) for m in materials])
-    lam, mu, rho = table[mesh.parts if len(materials) > 1 else np.zeros_like(mesh.parts)].T
+    lam, mu, rho = table[np.minimum(mesh.parts, len(materials) - 1)].T
     m = scalar_mass(mesh, rho)
     if not any_size:
         check_size(mesh, float(m.sum()))
@@ -66,7 +47,7 @@ def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_siz
         source=f"solid, {len(mesh.elements)} second-order tetrahedra, {3 * len(mesh.nodes)} unknowns",
         notes=mesh.notes,
     )
-    return replace(body, mesh=mesh, materials=materials)
+    return replace(body, solid=Solid(mesh.elements, mesh.parts, materials))
 
 
 def check_size(mesh: SolidMesh, mass: float) -> None:
@@ -81,8 +62,6 @@ def check_size(mesh: SolidMesh, mass: float) -> None:
 
 def orders(mesh: SolidMesh) -> tuple[int, int]:
     """Of the quadrature of K and M: exact for straight elements, M for curved ones too."""
-    from parflex.fe.mesh import EDGES
-
     x = mesh.nodes[mesh.elements]
     bow = np.max(np.abs(x[:, 4:] - 0.5 * (x[:, EDGES[:, 0]] + x[:, EDGES[:, 1]])))
     return STRAIGHT if bow < 1e-9 * np.max(np.ptp(mesh.nodes, axis=0)) else CURVED
