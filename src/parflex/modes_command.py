@@ -1,4 +1,4 @@
-"""The command `parflex modes`: from a polygon, a STEP file or a mesh to a platform's modal file."""
+"""The command `parflex modes`: from a polygon, a STEP file, a mesh or another program to a modal file."""
 
 import time
 from collections.abc import Callable
@@ -53,6 +53,22 @@ def modes(
     ] = None,
     free: Annotated[bool, typer.Option("--free", help="Free-free modes only, no attachment modes.")] = False,
     tolerance: Annotated[float, typer.Option(help="Of the basis, where --modes is not given.")] = 0.01,
+    program: Annotated[
+        str | None,
+        typer.Option(
+            "--from", help='Import: "nastran", "calculix", "calculix-matrices", "matrices" or "arrays".'
+        ),
+    ] = None,
+    file: Annotated[
+        list[str] | None, typer.Option(help='A file to import, "name=path", such as "op2=plate.op2".')
+    ] = None,
+    units: Annotated[
+        str, typer.Option(help='Of the imported files: "SI", "mm-tonne-s", "in-lbf" and others.')
+    ] = "",
+    node: Annotated[
+        list[str] | None,
+        typer.Option(help='Joint of an imported model: a node\'s number, or "12,13,14" for a patch.'),
+    ] = None,
     damping: Annotated[float, typer.Option(help="Damping ratio of all modes.")] = 0.0,
     out: Out = Path("parflex-modes"),
     image: ImageFormat = "png",
@@ -68,10 +84,11 @@ def modes(
     --density 2700`
 
     `parflex modes plate.step -a 0.2,0,0.01 -a -0.1,0.17,0.01 -a -0.1,-0.17,0.01 --tool 0,0,0.02`
+
+    `parflex modes --from nastran --file op2=plate.op2 --file bulk=plate.dat --units in-lbf --node 1 --node 11
+    --node 21`
     """
-    from parflex import plot
     from parflex.fe import FreeFree, FreeFreeWithAttachment, outline_mesh
-    from parflex.files.body_file import write_modes
 
     check_format(image)
     material = {"young": young, "poisson": poisson, "density": density}
@@ -87,6 +104,15 @@ def modes(
     check_writable(out)
     start = time.perf_counter()
     make: Make
+    if program is not None or file or units or node:
+        if source is not None or corner or hole or tool or free:
+            raise InputError(
+                "--from imports modes; leave out what describes a body or basis of parflex's own"
+            )
+        step(start, "reading the files")
+        found = imported(program, file or [], units, count, node or [], joints, radius)
+        finish(found, (), out, None, damping, image, start)
+        return
     if source is not None:
         if corner or hole:
             raise InputError("--corner and --hole describe a plate; leave them out, or the file")
@@ -109,14 +135,57 @@ def modes(
     else:
         first = make(FreeFreeWithAttachment(1, **options))
         found = make(first.converged(tolerance).reduction.basis)
-    report(found, published(paper, thickness, material))
-    file = write_modes(found, out / "modes.h5", origin=(0, 0, 0) if paper else None, damping_ratio=damping)
+    origin = (0.0, 0.0, 0.0) if paper else None
+    finish(found, published(paper, thickness, material), out, origin, damping, image, start)
+
+
+def finish(
+    found: Any,
+    table_2: tuple[float, ...],
+    out: Path,
+    origin: tuple[float, ...] | None,
+    damping: float,
+    image: str,
+    start: float,
+) -> None:
+    """The report, the modal file, the picture."""
+    from parflex import plot
+    from parflex.files.body_file import write_modes
+
+    report(found, table_2)
+    file = write_modes(found, out / "modes.h5", origin=origin, damping_ratio=damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
     console.print(f"[bold]{file}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True)
-    if len(found.frequencies):
+    if len(found.frequencies) and len(found.triangles):
         step(start, "drawing the shapes")
         plot.mode_shapes(found).savefig(out / f"modes.{image}")
         console.print(f"shapes drawn in [bold]{out / f'modes.{image}'}[/]")
+
+
+def imported(
+    program: str | None,
+    file: list[str],
+    units: str,
+    count: int | None,
+    node: list[str],
+    joints: list[tuple[float, ...]],
+    radius: float | None,
+) -> Any:
+    """The modes of another program's files."""
+    from parflex.fe import import_modes
+
+    pairs = [text.partition("=") for text in file]
+    for text, (name, equals, path) in zip(file, pairs, strict=True):
+        if not (name and equals and path):
+            raise InputError(f'--file is {text!r}; write it as "name=path", such as "op2=plate.op2"')
+    files = {name: Path(path) for name, _, path in pairs}
+    try:
+        ids = [[int(part) for part in text.split(",")] for text in node]
+    except ValueError:
+        raise InputError(f"--node is {', '.join(node)}; give node numbers, with commas for a patch") from None
+    places = [group if len(group) > 1 else group[0] for group in ids]
+    held = (places or None, joints or None, radius)
+    return import_modes(program or "", files, units, count, *held, say=lambda words: None)
 
 
 def solid_maker(mesh: Any, material: dict[str, float]) -> Make:
@@ -170,7 +239,7 @@ def report(found: Any, table_2: tuple[float, ...]) -> None:
     for note in found.notes:
         console.print(f"[yellow]note[/] {escape(note)}")
     table = Table("check", "found", title=escape(found.source), title_justify="left")
-    for row in check_rows(found):
+    for row in check_rows(found) if found.report is None else found.report.rows():
         table.add_row(*map(escape, row))
     console.print(table)
 

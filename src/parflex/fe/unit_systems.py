@@ -7,8 +7,9 @@ from parflex.errors import InputError
 INCH, FOOT, POUND_FORCE = 0.0254, 0.3048, 4.4482216152605  # m, m, N, by definition
 
 DENSITY = (0.2, 3e4)  # kg/m³, from foam to osmium with room to spare
-MODULUS = (1e4, 2e12)  # N/m², from foam to diamond
-STIFF = 2.5e5  # E / ρ² of light materials (honeycomb, balsa) stays below, m⁵/(kg s²)
+STIFFEST = 2e12  # N/m², beyond diamond
+LIGHTEST = 2.5e5  # E / ρ² of light materials (honeycomb, balsa) stays below, m⁵/(kg s²)
+SOFTEST = ((2500.0, 1e9), (1700.0, 1e8), (0.0, 2e6))  # least E of what is denser: metals, PTFE, rubber
 
 
 @dataclass(frozen=True)
@@ -89,4 +90,5 @@ def material_fits(density: float, modulus: float | None, units: Units) -> bool:
     if modulus is None:
         return True
     E = modulus * units.pressure
-    return MODULUS[0] <= E <= MODULUS[1] and STIFF * rho**2 >= E
+    least = next(modulus for density, modulus in SOFTEST if rho >= density)
+    return least <= E <= min(STIFFEST, LIGHTEST * rho**2)
