@@ -109,7 +109,7 @@ def test_one_wrong_number_in_one_mode(read, plate, factor):
         ("nodes", lambda v: v + 0.05 * (v[:, :1] > 0.4), "leaves the rigid body|kg at"),
         ("omega", lambda v: np.where(np.arange(len(v)) < 6, 5.0, v), "not free of stiffness"),
         ("omega", lambda v: np.where(np.arange(len(v)) == 8, 0.0, v), "not free of stiffness"),
-        ("rotations", lambda v: v * (1 + 50.0 * (np.arange(217) == 5))[:, None], "node 6 (turns by|does not)"),
+        ("rotations", lambda v: v * (1 + 50 * (np.arange(217) == 5))[:, None], "node 6 (turns by|does not)"),
         ("shapes", lambda v: v[:, ::-1], "leaves the rigid body|orthonormal|held"),
         ("shapes", lambda v: v[:6], "ask for elastic modes"),
     ],

@@ -115,9 +115,9 @@ def test_a_robot_file_takes_it(tmp_path, monkeypatch):
     assert found.attachments == body.attachments
     for change, words in (
         (("hexQ8.OP2", "other.OP2"), r"robot.toml:\d+: platform: op2 .*other.OP2 cannot be read"),
-        (('"SI"', '"in-lbf"'), r'platform: units is "in-lbf", which makes material 1'),
-        (('"nastran"', '"abaqus"'), "platform: program is 'abaqus'; choose one of nastran"),
-        ((f"ids = {ids}", "ids = [999999]"), r"platform: ids\[0\] has node 999999"),
+        (('"SI"', '"in-lbf"'), r'platform.units is "in-lbf", which makes material 1'),
+        (('"nastran"', '"abaqus"'), "platform.program is 'abaqus'; choose one of nastran"),
+        ((f"ids = {ids}", "ids = [999999]"), r"platform.ids\[0\] has node 999999"),
     ):
         path.write_text(
             text[: text.index("[platform]")] + "[platform]" + ROBOT.format(ids=ids).replace(*change)
