@@ -1,6 +1,7 @@
 """Input decks of CalculiX and Abaqus, as far as nodes, solids and densities go."""
 
 from collections.abc import Iterator
+from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
@@ -49,11 +50,12 @@ class Deck(NamedTuple):
     materials: dict[str, Material]
 
 
-def read_deck(path: Path) -> Deck:
+def read_deck(deck: str | PathLike[str]) -> Deck:
     """Nodes, solids and materials of an input deck.
 
     Raises InputError where it is missing, damaged, or has masses on points.
     """
+    path = Path(deck)
     places: dict[int, list[float]] = {}
     elements: dict[str, list[list[int]]] = {}
     materials: dict[str, Material] = {}
