@@ -10,9 +10,9 @@ from scipy import sparse
 
 from parflex.array import Array
 from parflex.errors import InputError
-from parflex.fe.acceptance import check_size
 from parflex.fe.check_report import BodyReport
 from parflex.fe.free_body import FreeBody, Sparse
+from parflex.fe.free_checks import check_size
 from parflex.fe.imported import rigid_body
 from parflex.fe.nodal import BELOW, body_of_matrices
 from parflex.fe.unit_systems import Units, units_named
