@@ -248,3 +248,75 @@ def test_truncated_op2(tmp_path):
     (tmp_path / "half.op2").write_bytes(OP2.read_bytes()[:100_000])
     with pytest.raises(pf.InputError, match="cut short at byte"):
         read(tmp_path / "half.op2")
+
+
+FRAME = {  # axes of output components at a place, as rows, for CORD2 cards with B on the z axis
+    "CORD2R": lambda x, y: [[np.sqrt(0.75), 0.5, 0], [-0.5, np.sqrt(0.75), 0], [0, 0, 1]],
+    "CORD2C": lambda x, y: radial(np.arctan2(y, x)),
+}
+
+
+def radial(angle: float) -> list[list[float]]:
+    return [[np.cos(angle), np.sin(angle), 0], [-np.sin(angle), np.cos(angle), 0], [0, 0, 1]]
+
+
+@pytest.mark.parametrize("kind", FRAME)
+def test_output_coordinate_systems(tmp_path, hexagon, kind):
+    """Displacements in turned or radial components, as a CD field makes them, are turned back.
+
+    The origin of the radial system is off the plate, where its axes are defined.
+    """
+    origin = (0.0, 0.0) if kind == "CORD2R" else (-0.7, 0.1)
+    points = [*origin, 0.0], [*origin, 1.0], [origin[0] + np.cos(np.pi / 6), origin[1] + 0.5, 0.0]
+    if kind == "CORD2C":
+        points[2][:] = [origin[0] + 1.0, origin[1], 0.0]
+    numbers = ",".join(f"{value:.12g}" for point in points for value in point[:3])
+    first, rest = ",".join(numbers.split(",")[:6]), ",".join(numbers.split(",")[6:])
+    lines = [
+        f"{line.ljust(48)}1" if line.startswith("GRID") else line for line in BULK.read_text().splitlines()
+    ]
+    text = "\n".join(lines).replace("ENDDATA", f"{kind},1,0,{first}\n,{rest}\nENDDATA")
+    (tmp_path / "turned.bdf").write_text(text)
+    places = hexagon.nodes - [*origin, 0.0]
+    turn = np.array([FRAME[kind](x, y) for x, y, _ in places])
+
+    def change(rows: np.ndarray) -> None:
+        for part in (slice(2, 5), slice(5, 8)):
+            rows[:, part] = np.einsum("kab,kb->ka", turn, rows[:, part].astype(float))
+
+    (tmp_path / "turned.op2").write_bytes(changed(OP2.read_bytes(), change))
+    found = read(tmp_path / "turned.op2", tmp_path / "turned.bdf")
+    assert np.allclose(found.shapes, hexagon.shapes, rtol=0, atol=1e-6 * np.max(np.abs(hexagon.shapes)))
+    assert np.allclose(
+        found.rotations, hexagon.rotations, rtol=0, atol=1e-6 * np.max(np.abs(hexagon.rotations))
+    )
+
+
+CUBE = "\n".join(
+    f"GRID,{1 + k},,{x}.,{y}.,{z}." for k, (x, y, z) in enumerate(
+        [(0, 0, 0), (2, 0, 0), (2, 1, 0), (0, 1, 0), (0, 0, 3), (2, 0, 3), (2, 1, 3), (0, 1, 3)])
+)  # fmt: skip
+MATERIALS = "MAT1,1,7.+10,,.3,2700.\nMAT8,2,1.+11,1.+10,.3,5.+9,,,1600."
+WEIGHTS = {  # cards, and what they weigh in kg: 2700 and 1600 kg/m³, faces of 2 × 1, edges of 2 m
+    "solid": ("CHEXA,1,1,1,2,3,4,5,6\n,7,8\nPSOLID,1,1", 2700 * 6),
+    "prism": ("CPENTA,1,1,1,2,3,5,6,7\nPSOLID,1,1", 2700 * 3),
+    "tetra": ("CTETRA,1,1,1,2,3,5\nPSOLID,1,1", 2700 * 1),
+    "shell": ("CQUAD4,1,1,1,2,3,4\nPSHELL,1,1,.1,1,,1,,4.5", 2 * (270 + 4.5)),
+    "triangle": ("CTRIA3,1,1,1,2,3\nPSHELL,1,1,.1", 270),
+    "laminate": ("CQUAD4,1,1,1,2,3,4\nPCOMP,1,,1.5\n,2,.01,0.,YES,,,90.\n,1,.02", 2 * (1.5 + 1600 * 0.02 + 54)),
+    "symmetric": ("CQUAD4,1,1,1,2,3,4\nPCOMP,1,,,,,,,SYM\n,2,.01,0.,YES,1,.02", 2 * 2 * (16 + 54)),
+    "bar": ("CBAR,1,1,1,2,0.,1.,0.\nPBAR,1,1,.01,1.-4,1.-4,1.-4,.7", 2 * (27 + 0.7)),
+    "rod": ("CROD,1,1,1,2\nPROD,1,1,.01,1.-4,0.,.7", 2 * (27 + 0.7)),
+    "conrod": ("CONROD,1,1,2,1,.01,1.-4,0.,.7", 2 * (27 + 0.7)),
+    "point": ("CONM2,1,3,,8.5", 8.5),
+    "pounds": ("CONM2,1,3,,8.5\nPARAM,WTMASS,.5", 4.25),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WEIGHTS)
+def test_what_elements_weigh(tmp_path, name):
+    cards, weight = WEIGHTS[name]
+    path = tmp_path / "model.bdf"
+    path.write_text("\n".join(["BEGIN BULK", CUBE, MATERIALS, cards, "ENDDATA"]))
+    for mass in read_bulk(path, SYSTEMS["SI"]).masses.values():
+        assert mass.sum() == pytest.approx(weight, rel=1e-12)

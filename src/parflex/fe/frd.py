@@ -4,7 +4,7 @@ Blocks of fixed columns, each of as many lines as its head says (CalculiX Crunch
 "Result Format").
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -39,6 +39,13 @@ class FrdModes(NamedTuple):
     modal_mass: Array  # (P,)
 
 
+class Block(NamedTuple):
+    """A line that says what follows, and the lines that do."""
+
+    head: bytes
+    lines: Sequence[bytes]
+
+
 class Mode(NamedTuple):
     """The head of a block of displacements."""
 
@@ -56,85 +63,92 @@ def read_frd(path: Path) -> FrdModes:
         text = path.read_bytes().replace(b"\r\n", b"\n")
     except OSError as error:
         raise InputError(f"frd {path} cannot be read: {error.strerror or error}") from None
+    if not text.startswith(b"    1C"):
+        raise InputError(
+            f"frd {path.name} is no result file of CalculiX; give the .frd file of a *FREQUENCY step"
+        )
     try:
-        return parsed(path.name, text.split(b"\n"))
+        found = list(blocks(path.name, text.split(b"\n")))
+        ids, nodes = table(path.name, only(path.name, found, b"    2C"))
+        elements = read_elements(path.name, only(path.name, found, b"    3C"))
+        modes = list(read_modes(path.name, found, ids))
+        return collected(path.name, ids, nodes, elements, materials_of(found), modes)
     except (ValueError, IndexError, KeyError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"frd {path.name} is damaged ({error}); write it again") from None
 
 
-def parsed(name: str, lines: Sequence[bytes]) -> FrdModes:
-    """The modes of the lines of a file."""
-    ids, nodes = np.zeros(0, dtype=int), np.zeros((0, 3))
-    elements: tuple[FrdElement, ...] = ()
-    materials: dict[int, str] = {}
-    modes: list[tuple[Mode, Array]] = []
-    told: dict[str, float] = {}
-    at = announced = 0
-    if not lines[0].startswith(b"    1C"):
-        raise InputError(f"frd {name} is no result file of CalculiX; give the .frd file of a *FREQUENCY step")
+def blocks(name: str, lines: Sequence[bytes]) -> Iterator[Block]:
+    """The heads of a file, with the lines that follow each, up to the end."""
+    at = 0
     while at < len(lines) and not lines[at].startswith(b" 9999"):
-        line, at = lines[at], at + 1
-        if line.startswith(b"    1UMAT"):
-            materials[int(line[9:14])] = line[14:].decode("latin-1").strip().upper()
-        elif line.startswith(b"    2C"):
-            check_ascii(name, line)
-            ids, nodes = table(name, lines, at, int(line[24:36]))
-            at += len(ids)
-        elif line.startswith(b"    3C"):
-            check_ascii(name, line)
-            elements, at = read_elements(name, lines, at, int(line[24:36]))
-        elif line.startswith(b"    1P"):
-            key = line[5:10].decode("latin-1").strip()
-            told[key] = float(line.split()[1])
-            announced += key == "PMODE"
-        elif line.startswith(b"  100C"):
-            check_ascii(name, line)
-            count = int(line[24:36])
-            head = at
-            while lines[at].startswith((b" -4", b" -5")):
+        head, first = lines[at], at + 1
+        at = first
+        if head.startswith((b"    2C", b"    3C", b"  100C")):
+            if int(head[73:75]) != LONG:
+                raise InputError(
+                    f"frd {name} is binary or of short format; write it with *NODE FILE, not *NODE OUTPUT"
+                )
+            while at < len(lines) and lines[at] != b" -3":
                 at += 1
-            if b"MODAL" in line and lines[head].split()[1] == b"DISP":
-                found, values = table(name, lines, at, count)
-                if not np.array_equal(found, ids):
-                    raise InputError(f"frd {name} has other nodes in a mode than in the mesh; it is damaged")
-                modes.append((mode_of(name, line, told), values))
-            at += count
-        elif line != b" -3" and not line.startswith((b"    1C", b"    1U")):
+            yield Block(head, lines[first:at])
+            at += 1
+        elif head.startswith((b"    1C", b"    1U", b"    1P")):
+            yield Block(head, ())
+        else:
             raise InputError(f"frd {name} is damaged in line {at}; write it again")
     if at >= len(lines):
         raise InputError(f"frd {name} has no end; it is cut short: write it again")
-    if len(modes) != announced:
-        raise InputError(f"frd {name} announces {announced} modes and holds {len(modes)}; write it again")
-    return collected(name, ids, nodes, elements, materials, modes)
 
 
-def check_ascii(name: str, line: bytes) -> None:
-    """Numbers of a block are written out, with ten digits for a node."""
-    if int(line[73:75]) != LONG:
-        raise InputError(
-            f"frd {name} is binary or of short format; write it with *NODE FILE instead of *NODE OUTPUT"
-        )
+def only(name: str, found: Sequence[Block], key: bytes) -> Block:
+    """The one block of a kind."""
+    some = [block for block in found if block.head.startswith(key)]
+    if len(some) != 1:
+        raise InputError(f"frd {name} has {len(some)} blocks of nodes or of elements; write one model")
+    return some[0]
 
 
-def table(name: str, lines: Sequence[bytes], first: int, count: int) -> tuple[Array, Array]:
-    """Node numbers (K,) and three values each (K, 3), of lines of equal length."""
-    block = lines[first : first + count]
-    whole = len(block) == count and first + count < len(lines) and lines[first + count] == b" -3"
-    if not whole or any(len(line) != 49 or not line.startswith(b" -1") for line in block):
-        raise InputError(f"frd {name} is damaged after line {first}, where {count} nodes are expected")
-    rows = np.frombuffer(b"".join(block), dtype=[("key", "S3"), ("node", "S10"), ("values", "S12", 3)])
+def materials_of(found: Sequence[Block]) -> dict[int, str]:
+    """Names of materials by their numbers."""
+    heads = [block.head for block in found if block.head.startswith(b"    1UMAT")]
+    return {int(head[9:14]): head[14:].decode("latin-1").strip().upper() for head in heads}
+
+
+def read_modes(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[Mode, Array]]:
+    """The modes, each told of in lines before its displacements (K, 3)."""
+    told: dict[str, float] = {}
+    announced = given = 0
+    for head, lines in found:
+        if head.startswith(b"    1P"):
+            key = head[5:10].decode("latin-1").strip()
+            told[key] = float(head.split()[1])
+            announced += key == "PMODE"
+        elif head.startswith(b"  100C") and b"MODAL" in head and lines[0].split()[1] == b"DISP":
+            rows = [line for line in lines if not line.startswith((b" -4", b" -5"))]
+            nodes, values = table(name, Block(head, rows))
+            if not np.array_equal(nodes, ids):
+                raise InputError(f"frd {name} has other nodes in a mode than in the mesh; it is damaged")
+            given += 1
+            yield mode_of(name, head, told), values
+    if given != announced:
+        raise InputError(f"frd {name} announces {announced} modes and holds {given}; write it again")
+
+
+def table(name: str, block: Block) -> tuple[Array, Array]:
+    """Node numbers (K,) and three values each (K, 3), of as many lines as the head says."""
+    count = int(block.head[24:36])
+    if len(block.lines) != count or any(len(row) != 49 or row[:3] != b" -1" for row in block.lines):
+        raise InputError(f"frd {name} is damaged where {count} nodes are expected; write it again")
+    rows = np.frombuffer(b"".join(block.lines), dtype=[("key", "S3"), ("node", "S10"), ("values", "S12", 3)])
     return rows["node"].astype(int), rows["values"].astype(float)
 
 
-def read_elements(
-    name: str, lines: Sequence[bytes], at: int, count: int
-) -> tuple[tuple[FrdElement, ...], int]:
-    """The elements of a block, and the line after it."""
-    found = []
-    for _ in range(count):
-        head, at = lines[at], at + 1
+def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
+    """Each element: a line of its kind, and lines of its nodes."""
+    found, rest = [], iter(block.lines)
+    for head in rest:
         kind, material = int(head[13:18]), int(head[23:28])
         if kind not in KINDS:
             raise InputError(
@@ -143,14 +157,14 @@ def read_elements(
             )
         nodes: list[int] = []
         while len(nodes) < COUNTS[kind]:
-            if not lines[at].startswith(b" -2"):
-                raise InputError(f"frd {name} is damaged in line {at + 1}; write it again")
-            nodes += [int(lines[at][k : k + 10]) for k in range(3, len(lines[at]), 10)]
-            at += 1
+            line = next(rest, b"")
+            if not line.startswith(b" -2"):
+                raise InputError(f"frd {name} is damaged in an element; write it again")
+            nodes += [int(line[k : k + 10]) for k in range(3, len(line), 10)]
         found.append(FrdElement(KINDS[kind], material, tuple(nodes)))
-    if lines[at] != b" -3":
-        raise InputError(f"frd {name} is damaged in line {at + 1}, where its elements end; write it again")
-    return tuple(found), at
+    if len(found) != int(block.head[24:36]):
+        raise InputError(f"frd {name} has {len(found)} elements, not as many as it says; write it again")
+    return tuple(found)
 
 
 def mode_of(name: str, line: bytes, told: dict[str, float]) -> Mode:
