@@ -303,7 +303,7 @@ WEIGHTS = {  # cards, and what they weigh in kg: 2700 and 1600 kg/m³, faces of 
     "tetra": ("CTETRA,1,1,1,2,3,5\nPSOLID,1,1", 2700 * 1),
     "shell": ("CQUAD4,1,1,1,2,3,4\nPSHELL,1,1,.1,1,,1,,4.5", 2 * (270 + 4.5)),
     "triangle": ("CTRIA3,1,1,1,2,3\nPSHELL,1,1,.1", 270),
-    "laminate": ("CQUAD4,1,1,1,2,3,4\nPCOMP,1,,1.5\n,2,.01,0.,YES,,,90.\n,1,.02", 2 * (1.5 + 1600 * 0.02 + 54)),
+    "laminate": ("CQUAD4,1,1,1,2,3,4\nPCOMP,1,,1.5\n,2,.01,0.,YES,,,90.\n,1,.02", 2 * (1.5 + 32 + 54)),
     "symmetric": ("CQUAD4,1,1,1,2,3,4\nPCOMP,1,,,,,,,SYM\n,2,.01,0.,YES,1,.02", 2 * 2 * (16 + 54)),
     "bar": ("CBAR,1,1,1,2,0.,1.,0.\nPBAR,1,1,.01,1.-4,1.-4,1.-4,.7", 2 * (27 + 0.7)),
     "rod": ("CROD,1,1,1,2\nPROD,1,1,.01,1.-4,0.,.7", 2 * (27 + 0.7)),
