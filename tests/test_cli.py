@@ -93,7 +93,7 @@ def test_help_teaches(parflex):
         (("modes", "-c", "0,0", "-c", "1,0"), "polygon has 2 corners"),
         (("modes", "--poisson", "0.7"), "poisson is 0.7"),
         (("modes", "plate.step"), "--attach is not given"),
-        (("modes", "plate.vtu", "-a", "0,0,0"), "--unit is not given"),
+        (("modes", "plate.vtu", "-a", "0,0,0"), "unit is not given"),
         (("modes", "plate.step", "-a", "0,0"), "--attach is '0,0'; write it as \"x,y,z\""),
         (("modes", "none.step", "-a", "0,0,0"), "none.step cannot be read"),
     ],

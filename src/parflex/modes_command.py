@@ -88,7 +88,7 @@ def modes(
     `parflex modes --from nastran --file op2=plate.op2 --file bulk=plate.dat --units in-lbf --node 1 --node 11
     --node 21`
     """
-    from parflex.fe import FreeFree, FreeFreeWithAttachment, outline_mesh
+    from parflex.fe import FreeFree, FreeFreeWithAttachment, mesh_from, outline_mesh
 
     check_format(image)
     material = {"young": young, "poisson": poisson, "density": density}
@@ -119,7 +119,7 @@ def modes(
         if not joints:
             raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
         step(start, f"reading {source}")
-        make = solid_maker(mesh_of(source, unit, size), material)
+        make = solid_maker(mesh_from(source, unit, size), material)
     elif solid or holes:
         step(start, "meshing the plate")
         make = solid_maker(outline_mesh(polygon, thickness, holes, size=size), material)
@@ -201,19 +201,6 @@ def plate_maker(polygon: Any, thickness: float, material: dict[str, float], refi
     from parflex.fe import plate_modes
 
     return lambda basis: plate_modes(polygon, thickness, **material, n_modes=basis, refine=refine)
-
-
-def mesh_of(source: Path, unit: str | None, size: float | None) -> Any:
-    """The mesh of a STEP file, or of a mesh file."""
-    from parflex.fe import read_mesh, step_mesh
-
-    if source.suffix.lower() in (".step", ".stp"):
-        return step_mesh(source, size, unit)
-    if size is not None:
-        raise InputError(f"--size is given, but {source.name} is a mesh already; leave it out")
-    if unit is None:
-        raise InputError(f'--unit is not given; say in what unit {source.name} is: "mm", "m" or "inch"')
-    return read_mesh(source, unit)
 
 
 def numbers(option: str, text: str, count: int) -> tuple[float, ...]:

@@ -14,11 +14,16 @@ from parflex.fe.nastran import read_nastran
 from parflex.fe.netgen_mesh import Rib, Step, outline_mesh, step_mesh
 from parflex.fe.nodal import body_of_matrices
 from parflex.fe.plate import plate_body, plate_modes
+from parflex.fe.recovery import Fields, recover
 from parflex.fe.solid import solid_body
+from parflex.fe.sources import mesh_from, modes
+from parflex.fe.vtk_file import write_fields
+from parflex.files.body_file import read_modes, write_modes
 
 __all__ = [
     "IMPORTERS",
     "Basis",
+    "Fields",
     "FreeBody",
     "FreeFree",
     "FreeFreeWithAttachment",
@@ -30,6 +35,8 @@ __all__ = [
     "body_of_matrices",
     "calculix_body",
     "import_modes",
+    "mesh_from",
+    "modes",
     "outline_mesh",
     "plate_body",
     "plate_modes",
@@ -37,8 +44,12 @@ __all__ = [
     "read_calculix",
     "read_matrices",
     "read_mesh",
+    "read_modes",
     "read_nastran",
+    "recover",
     "solid_body",
     "solid_mesh",
     "step_mesh",
+    "write_fields",
+    "write_modes",
 ]

@@ -4,7 +4,7 @@ Static compliance at the places under inertia relief, Fᵀ K⁺ F, and the frequ
 pinned at its joints, in all directions that are not negligibly stiff.
 """
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh, null_space, pinvh
@@ -13,15 +13,17 @@ from scipy.sparse.linalg import LinearOperator, eigsh
 from parflex.array import Array
 from parflex.check import positive
 from parflex.errors import InputError, NotConverged
-from parflex.fe.basis import DEPENDENT, FreeFree, FreeFreeWithAttachment, Reduction
+from parflex.fe.basis import DEPENDENT, Basis, FreeFree, FreeFreeWithAttachment, Reduction
 from parflex.fe.free_body import FreeBody
 from parflex.fe.joints import Place
 from parflex.fe.response import Static, static_response
 from parflex.modes import Modes
 from parflex.progress import waiting
 
+Places = tuple[Any, Any, float | None, float]  # points, tool, radius, negligible: of a basis
+
 FIRST = 5  # pinned frequencies that are looked at where nothing else is said
-MOST = 64  # free–free modes that are tried
+COUNTS = (12, 24, 48, 96)  # free–free modes that are tried
 MOVING = 1e-3  # a pinned frequency that is none, of the highest
 
 
@@ -80,8 +82,22 @@ def converged(reduction: Reduction, tolerance: float, up_to: float | None) -> Mo
     body, held, _, basis = reduction
     places = (basis.points, basis.tool, basis.radius, min(tolerance, 0.5))
     truth = truth_of(body, held, places[-1], up_to)
-    squares, free = body.free_modes(min(MOST, body.unknowns // 4))
-    every = gram_of(body, np.hstack([free, truth.static.flexed]), truth.static)
+    for count in COUNTS:
+        squares, free = body.free_modes(min(count, body.unknowns // 4))
+        every = gram_of(body, np.hstack([free, truth.static.flexed]), truth.static)
+        best = smallest(reduction, truth, every, squares, tolerance, places)
+        if best is not None:
+            return best.modes(body)
+    raise NotConverged(
+        f"tolerance is {tolerance}, which {COUNTS[-1]} free–free modes with attachment modes do not meet; "
+        f"give a larger one, or a lower up_to"
+    )
+
+
+def smallest(
+    reduction: Reduction, truth: Truth, every: Gram, squares: Array, tolerance: float, places: Places
+) -> Basis | None:
+    """The smallest basis that the vectors (free–free ones, then deformations) offer, if one is good."""
 
     def good(columns: list[int]) -> bool:
         return error_of(reduction, truth, chosen(every, columns)).within(tolerance)
@@ -89,16 +105,10 @@ def converged(reduction: Reduction, tolerance: float, up_to: float | None) -> Mo
     for n in range(len(squares) + 1):
         attached = attachments(every, squares, n, truth, places[-1])
         if good([*range(n), *attached]):
-            alone = min(n + len(attached), len(squares) + 1)
-            while alone > n and good(list(range(alone - 1))):
-                alone -= 1
-            if alone < n + len(attached) and good(list(range(alone))):
-                return FreeFree(alone, *places).modes(body)
-            return FreeFreeWithAttachment(n, *places).modes(body)
-    raise NotConverged(
-        f"tolerance is {tolerance}, which {len(squares)} free–free modes with attachment modes do not meet; "
-        f"give a larger one, or a lower up_to"
-    )
+            fewer = range(n, min(n + len(attached), len(squares) + 1))
+            alone = next((m for m in fewer if good(list(range(m)))), None)
+            return FreeFreeWithAttachment(n, *places) if alone is None else FreeFree(alone, *places)
+    return None
 
 
 def attachments(every: Gram, squares: Array, n: int, truth: Truth, negligible: float) -> list[int]:

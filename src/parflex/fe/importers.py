@@ -14,6 +14,7 @@ from parflex.fe.free_body import FreeBody
 from parflex.fe.matrices import read_matrices
 from parflex.fe.modal_arrays import read_arrays
 from parflex.fe.nastran import read_nastran
+from parflex.fe.sources import modes as right_modes
 from parflex.modes import Modes
 
 Path = str | PathLike[str]
@@ -84,5 +85,5 @@ def computed(
             "points is not given; name the points at which legs hold: matrices have no modes yet"
         )
     if modes is None:
-        return FreeFreeWithAttachment(1, points, radius=radius).modes(body).converged()
+        return right_modes(body, points, radius=radius)
     return FreeFreeWithAttachment(modes, points, radius=radius).modes(body)

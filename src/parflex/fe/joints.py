@@ -117,8 +117,8 @@ def nodes_within(
             )
         if len(near) < FEWEST:
             raise InputError(
-                f"{name} at {point} has {len(near)} nodes within {reach:.4g} m, too few for a patch; refine "
-                f"the mesh there, or give a larger radius"
+                f"{name} at {point} has {len(near)} of the surface's nodes within {reach:.4g} m, too few for "
+                f"a patch; refine the mesh there, or give a larger radius"
             )
         held.append(np.sort(near))
     unshared(names, held)
