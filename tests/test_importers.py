@@ -116,6 +116,20 @@ def test_spoilt_files_make_one_sentence_or_the_same_platform(case, modes, tmp_pa
             assert set(outcomes) <= {"refused", "the same"}, name
 
 
+def softness(field: str):
+    """Σ Φ² / ω² of each node and axis, which the orientation of degenerate pairs does not change."""
+    return lambda modes: np.einsum("nki,n->ki", getattr(modes, field) ** 2, modes.frequencies**-2)
+
+
+FIELDS = {
+    "nodes": lambda modes: modes.nodes,
+    "frequencies": lambda modes: modes.frequencies,
+    "shapes": softness("shapes"),
+    "mass": lambda modes: np.array([modes.moments.m]),
+    "second moments": lambda modes: modes.moments.P0,
+}
+
+
 def one_sentence(text: str) -> bool:
     return "\n" not in text and len(text) < 400
 
@@ -130,11 +144,9 @@ def outcome(case, modes, name: str, path: Path, data: bytes, folder: Path) -> st
         found = case.read(**given)
     except pf.InputError as error:
         return "refused" if one_sentence(str(error)) else f"refused in too many words: {error}"
-    for field in ("nodes", "frequencies", "shapes"):
-        old, new = getattr(modes, field), getattr(found, field)
-        assert old.shape == new.shape, (name, field)
-        assert np.max(np.abs(new - old)) <= 2e-3 * np.max(np.abs(old)), (name, field, found.notes)
-    assert found.moments.m == pytest.approx(modes.moments.m, rel=1e-4)
-    if (case.program, name) not in ROTATIONS:
-        assert np.allclose(found.rotations, modes.rotations, atol=2e-3 * np.max(np.abs(modes.rotations)))
+    fields = FIELDS if (case.program, name) in ROTATIONS else FIELDS | {"rotations": softness("rotations")}
+    for field, value in fields.items():
+        old, new = value(modes), value(found)
+        if old.shape != new.shape or np.max(np.abs(new - old)) > 2e-3 * np.max(np.abs(old)):
+            return f"other {field}: {found.notes}"
     return "the same"

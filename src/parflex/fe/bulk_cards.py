@@ -9,6 +9,7 @@ import numpy as np
 
 from parflex.array import Array
 from parflex.errors import InputError
+from parflex.fe.foreign import briefly
 from parflex.fe.unit_systems import Units
 
 Card = list[Any]
@@ -70,4 +71,4 @@ def cards_of(path: Path) -> dict[str, list[Card]]:
     except OSError as error:
         raise InputError(f"bulk {error.filename or path} cannot be read: {error.strerror or error}") from None
     except Exception as error:  # pyYeti raises many kinds for a damaged file
-        raise InputError(f"bulk {path.name} cannot be read ({error}); write it again") from None
+        raise InputError(f"bulk {path.name} cannot be read ({briefly(error)}); write it again") from None

@@ -11,6 +11,7 @@ from parflex.errors import InputError
 from parflex.fe.bulk_cards import Bulk, cards_of
 from parflex.fe.bulk_masses import SHAPES, carried, elements
 from parflex.fe.elements import ELEMENTS, mass_matrix, surface
+from parflex.fe.foreign import briefly
 from parflex.fe.free_body import Sparse
 from parflex.fe.unit_systems import Units
 
@@ -118,9 +119,11 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
         uset = reader.bulk2uset(str(path), encoding="latin-1")[0]
         blocks = rbgeom_uset(uset).reshape(-1, 6, 6)
         places = uset.loc[(slice(None), 1), ["x", "y", "z"]].to_numpy(dtype=float)
+        if blocks.shape[0] != len(ids) or places.shape != (len(ids), 3):
+            raise ValueError(f"{len(ids)} grids, {len(blocks)} of them placed")
     except Exception as error:
         raise InputError(
-            f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2 ({error}); "
+            f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2 ({briefly(error)}); "
             f"write the grids in basic coordinates"
         ) from None
     return ids, bulk.units.length * places, np.swapaxes(blocks[:, 3:, 3:], 1, 2)

@@ -11,6 +11,7 @@ from parflex.errors import InputError
 from parflex.fe.acceptance import accepted
 from parflex.fe.deck import Deck, Material, read_deck
 from parflex.fe.elements import Elements, mass_matrix, surface
+from parflex.fe.foreign import briefly
 from parflex.fe.frd import FrdModes, read_frd
 from parflex.fe.free_body import FreeBody, Sparse
 from parflex.fe.imported import ImportedModes, cosines
@@ -172,7 +173,7 @@ def degrees(path: Path) -> Array:
     except InputError:
         raise
     except ValueError as error:
-        raise InputError(f"matrices {path.name} is damaged ({error}); write it again") from None
+        raise InputError(f"matrices {path.name} is damaged ({briefly(error)}); write it again") from None
 
 
 def triangle(path: Path, size: int) -> Sparse:

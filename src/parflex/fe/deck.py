@@ -10,6 +10,7 @@ import numpy as np
 from parflex.array import Array
 from parflex.errors import InputError
 from parflex.fe.elements import ELEMENTS
+from parflex.fe.foreign import briefly
 
 SOLIDS = {
     "C3D4": "tet4",
@@ -83,7 +84,7 @@ def read_deck(deck: str | PathLike[str]) -> Deck:
     except (ValueError, IndexError, KeyError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"inp {path.name} is damaged ({error}); correct it") from None
+        raise InputError(f"inp {path.name} is damaged ({briefly(error)}); correct it") from None
     table = np.array([[*xyz, *[0.0] * (3 - len(xyz))] for xyz in places.values()]).reshape(-1, 3)
     if len(table) == 0 or not np.all(np.isfinite(table)):
         raise InputError(

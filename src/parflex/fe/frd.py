@@ -12,6 +12,7 @@ import numpy as np
 
 from parflex.array import Array
 from parflex.errors import InputError
+from parflex.fe.foreign import briefly
 
 KINDS = {1: "hex8", 2: "wedge6", 3: "tet4", 4: "hex20", 5: "wedge15", 6: "tet10"}
 COUNTS = {1: 8, 2: 6, 3: 4, 4: 20, 5: 15, 6: 10}
@@ -76,7 +77,7 @@ def read_frd(path: Path) -> FrdModes:
     except (ValueError, IndexError, KeyError) as error:
         if isinstance(error, InputError):
             raise
-        raise InputError(f"frd {path.name} is damaged ({error}); write it again") from None
+        raise InputError(f"frd {path.name} is damaged ({briefly(error)}); write it again") from None
 
 
 def blocks(name: str, lines: Sequence[bytes]) -> Iterator[Block]:
@@ -161,6 +162,8 @@ def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
             if not line.startswith(b" -2"):
                 raise InputError(f"frd {name} is damaged in an element; write it again")
             nodes += [int(line[k : k + 10]) for k in range(3, len(line), 10)]
+        if len(set(nodes)) != COUNTS[kind]:
+            raise InputError(f"frd {name} has an element with a node twice or too many; write it again")
         found.append(FrdElement(KINDS[kind], material, tuple(nodes)))
     if len(found) != int(block.head[24:36]):
         raise InputError(f"frd {name} has {len(found)} elements, not as many as it says; write it again")

@@ -172,10 +172,10 @@ def check_turns(read: ImportedModes) -> None:
         return
     a, b, c = np.moveaxis(read.nodes[read.triangles], 1, 0)
     u, v, w = np.moveaxis(read.shapes[:, read.triangles], 2, 0)
-    slope = np.maximum(
-        np.linalg.norm(v - u, axis=2) / np.linalg.norm(b - a, axis=1),
-        np.linalg.norm(w - u, axis=2) / np.linalg.norm(c - a, axis=1),
-    )
+    along, across = np.linalg.norm(b - a, axis=1), np.linalg.norm(c - a, axis=1)
+    if not np.all((along > 0) & (across > 0)):
+        raise InputError("an element has two corners in one place; mend the mesh, or the file is damaged")
+    slope = np.maximum(np.linalg.norm(v - u, axis=2) / along, np.linalg.norm(w - u, axis=2) / across)
     most = np.max(np.abs(read.rotations), axis=2)
     bad = most > FLIP * np.max(slope, axis=1)[:, None]
     if np.any(bad):

@@ -11,6 +11,7 @@ from scipy import sparse
 from parflex.array import Array
 from parflex.errors import InputError
 from parflex.fe.check_report import BodyReport
+from parflex.fe.foreign import briefly
 from parflex.fe.free_body import FreeBody, Sparse
 from parflex.fe.free_checks import check_size
 from parflex.fe.imported import rigid_body
@@ -121,7 +122,7 @@ def read_matrix(name: str, path: Path) -> Sparse:
         raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
     except Exception as error:  # the reader raises many kinds for a damaged file
         raise InputError(
-            f"{name} {path.name} is damaged, or of no matrix ({error}); write it again"
+            f"{name} {path.name} is damaged, or of no matrix ({briefly(error)}); write it again"
         ) from None
     return matrix
 
@@ -171,7 +172,7 @@ def numbers(name: str, file: str, lines: list[str], columns: int) -> Array:
     try:
         table = np.loadtxt([line.replace(",", " ") for line in lines if line.strip()], ndmin=2)
     except ValueError as error:
-        raise InputError(f"{name} {file} is no table of numbers ({error}); correct it") from None
+        raise InputError(f"{name} {file} is no table of numbers ({briefly(error)}); correct it") from None
     if table.shape[1:] != (columns,) or not np.all(np.isfinite(table)):
         raise InputError(f"{name} {file} has not {columns} finite numbers in each line; correct it")
     return table

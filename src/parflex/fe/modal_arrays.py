@@ -13,6 +13,7 @@ from parflex.array import Array
 from parflex.check import exactly
 from parflex.errors import InputError
 from parflex.fe.acceptance import accepted
+from parflex.fe.foreign import briefly
 from parflex.fe.imported import ImportedModes
 from parflex.fe.unit_systems import Units, units_named
 from parflex.modes import Modes
@@ -53,7 +54,7 @@ def arrays_of(path: Path) -> Mapping[str, Array]:
             return {name: np.asarray(file[name]) for name in NAMES if name in file}
     except Exception as error:  # NumPy and HDF5 raise many kinds for a damaged file
         raise InputError(
-            f"arrays {path.name} is damaged, or no .npz or HDF5 file ({error}); write it again"
+            f"arrays {path.name} is damaged, or no .npz or HDF5 file ({briefly(error)}); write it again"
         ) from None
 
 
