@@ -108,6 +108,8 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
     table = np.array([bulk.fields(card, 0, 6, "GRID") for card in bulk.of("GRID")])
     table = table[np.argsort(table[:, 0], kind="stable")]
     ids = table[:, 0].astype(int)
+    if ids[0] <= 0:
+        raise InputError(f"bulk {bulk.name} has GRID {ids[0]}; numbers of grids are positive")
     if np.any(np.diff(ids) == 0):
         raise InputError(f"bulk {bulk.name} has GRID {ids[:-1][np.diff(ids) == 0][0]} twice; keep one")
     if not np.any(table[:, [1, 5]]):
@@ -123,7 +125,7 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
             raise ValueError(f"{len(ids)} grids, {len(blocks)} of them placed")
     except Exception as error:
         raise InputError(
-            f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2 ({briefly(error)}); "
-            f"write the grids in basic coordinates"
+            f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2; write the "
+            f"grids in basic coordinates ({briefly(error)})"
         ) from None
     return ids, bulk.units.length * places, np.swapaxes(blocks[:, 3:, 3:], 1, 2)
