@@ -203,3 +203,30 @@ def test_attachment_modes_of_its_matrices_against_ours(stored, own):
     largest = np.max(np.abs(flexibility[-1]))
     for other in flexibility[:-1]:
         assert np.max(np.abs(other - flexibility[-1])) <= 1e-6 * largest
+
+
+def rectangle(kind: str) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes and elements, in Abaqus' order, of a plate 0.6 × 0.5 m of 6 × 5 elements; bricks 20 mm thick."""
+    points = ELEMENTS[kind].points
+    size = np.array([0.1, 0.1, 0.02])[: points.shape[1]]
+    cells = np.array([(i, j, 0) for i in range(6) for j in range(5)])[:, None, : points.shape[1]]
+    every = np.round(2 * (cells + points)).astype(int)
+    unique, number = np.unique(every.reshape(-1, points.shape[1]), axis=0, return_inverse=True)
+    nodes = np.pad(unique / 2 * size, ((0, 0), (0, 3 - points.shape[1])))
+    order = ABAQUS_ORDER.get(kind, range(len(points)))
+    return nodes, number.reshape(len(cells), -1)[:, np.argsort(order)]
+
+
+@pytest.mark.parametrize(("kind", "shape"), [("C3D20R", "hex20"), ("C3D8", "hex8"), ("S8R", "quad8")])
+def test_other_elements(tmp_path, kind, shape):
+    """Bricks, and shells that CalculiX makes bricks of: the modes belong to the masses, of ρ V."""
+    text = deck(*rectangle(shape), "*FREQUENCY\n12", kind)
+    if kind == "S8R":
+        text = text.replace("*SOLID SECTION", "*SHELL SECTION").replace(
+            "MATERIAL=Plate\n", "MATERIAL=Plate\n0.02\n"
+        )
+        text = text.replace("*NODE FILE", "*NODE FILE, OUTPUT=3D")
+    job = run(tmp_path, "plate", text)
+    report = pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI", quiet).report
+    assert report.body.mass == pytest.approx(PLATE["density"] * 0.6 * 0.5 * 0.02, rel=1e-5)
+    assert max(report.orthonormality, report.S, report.beta) <= 5e-6

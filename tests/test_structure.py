@@ -37,6 +37,7 @@ def test_heavy_tools_stay_at_the_rim():
         "casadi": ("compiled",),
         "llvmlite": ("compiled",),
         "skfem": ("fe",),
+        "pyyeti": ("fe",),
         "matplotlib": ("plot.py",),
         "typer": ("cli.py", "commands.py", "modes_command.py", "terminal.py"),
         "netgen": ("fe",),

@@ -95,7 +95,9 @@ def exact_places(ids: Array, places: Array, deck: Deck) -> Array:
     """Coordinates of the deck where it has the node, which the results agree with to six digits."""
     row = {int(node): k for k, node in enumerate(deck.ids)}
     known = np.array([int(node) in row for node in ids])
-    if not np.any(known):
+    if (
+        not np.any(known) and deck.elements
+    ):  # else shells, of which CalculiX makes solids with nodes of its own
         raise InputError("inp has none of the nodes of frd; give the files of one model")
     exact = places.copy()
     exact[known] = deck.nodes[[row[int(node)] for node in ids[known]]]

@@ -78,9 +78,12 @@ def inner(mass: Sparse, left: Array, right: Array) -> Array:
 
 
 def cosines(mass: Sparse, shapes: Array) -> float:
-    """The largest |cos| between two modes in the mass's scalar product; infinite where one moves no mass."""
+    """The largest |cos| between two modes in the mass's scalar product, but for the worst mode, which may
+    be damaged; infinite where one moves no mass."""
     gram = inner(mass, shapes, shapes)
     own = np.diagonal(gram)
     if not np.all(own > 0):
         return np.inf
-    return float(np.max(np.abs(gram / np.sqrt(np.outer(own, own)) - np.eye(len(gram)))))
+    apart = np.abs(gram / np.sqrt(np.outer(own, own)) - np.eye(len(gram)))
+    rest = (np.delete(np.delete(apart, k, axis=0), k, axis=1) for k in range(len(apart)))
+    return min(float(np.max(part, initial=0.0)) for part in rest)

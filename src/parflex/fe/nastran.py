@@ -105,7 +105,7 @@ def fitting(model: BulkModel, shapes: Array) -> tuple[str, tuple[str, ...]]:
     asked = next(iter(model.masses))
     apart = {kind: cosines(mass, shapes) for kind, mass in model.masses.items()}
     best = min(apart, key=lambda kind: apart[kind])
-    if apart[asked] <= SINGLE or best == asked:
+    if apart[asked] <= SINGLE or apart[best] > SINGLE:
         return asked, ()
     return best, (
         f"the bulk data ask for the {asked} mass matrix, but the modes are those of the {best} one "
