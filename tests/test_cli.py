@@ -64,6 +64,26 @@ def test_modes_of_the_paper_are_compared(parflex):
     assert "cut a degenerate pair" in out
 
 
+def test_modes_of_a_step_file(parflex, tmp_path):
+    """Report, picture, and a modal file that holds what the report says."""
+    occ = pytest.importorskip("netgen.occ")
+    occ.Box((0, 0, 0), (400, 300, 20)).WriteStep("plate.step")
+    joints = [word for at in ("0.04,0.04,0", "0.36,0.04,0", "0.2,0.26,0") for word in ("-a", at)]
+    code, out, err = parflex("modes", "plate.step", *joints, "--tool", "0.2,0.15,0.02", "--radius", "0.04",
+                             "--size", "0.08", "--young", "70e9", "--density", "2700", "--damping",
+                             "0.01")  # fmt: skip
+    assert code == 0, err
+    words = " ".join(out.split())
+    assert "mass │ 6.48 kg" in words
+    assert "rigid modes │ 6, their stiffness" in words
+    assert "static compliance │ right to" in words
+    found = pf.fe.read_modes(tmp_path / "parflex-modes" / "modes.h5")
+    assert f"{found.frequencies[0]:.3f}" in words
+    assert np.all(found.frequency_error[:3] < 0.05)
+    assert found.corners == tuple(range(found.tool - 3, found.tool))
+    assert (tmp_path / "parflex-modes" / "modes.png").stat().st_size > 10_000
+
+
 def test_doctor_passes(parflex):
     code, out, _ = parflex("doctor")
     assert code == 0

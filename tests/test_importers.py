@@ -105,7 +105,8 @@ def test_import_modes_knows_its_files(case):
 def test_spoilt_files_make_one_sentence_or_the_same_platform(case, modes, tmp_path):
     """Flipped bytes, lost ends, stretches overwritten, lost or doubled, in each file by turns.
 
-    What is not refused is the same platform: flips in titles, tables that are not read and last digits.
+    What is not refused is the same platform: flips in titles, tables that are not read and last digits. Of a
+    thousand spoilt decks one or two are decks of a slightly other mesh, and repaired like one.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("error")
@@ -113,7 +114,8 @@ def test_spoilt_files_make_one_sentence_or_the_same_platform(case, modes, tmp_pa
             whole, rng = path.read_bytes(), np.random.default_rng(7)
             outcomes = [outcome(case, modes, name, path, spoilt(whole, rng), tmp_path) for _ in range(SPOILT)]
             assert outcomes.count("refused") >= SPOILT // 2, name
-            assert set(outcomes) <= {"refused", "the same"}, name
+            assert set(outcomes) <= {"refused", "the same", "repaired, and said to be"}, name
+            assert outcomes.count("repaired, and said to be") <= SPOILT // 200 + 1, name
 
 
 def softness(field: str):
@@ -144,6 +146,8 @@ def outcome(case, modes, name: str, path: Path, data: bytes, folder: Path) -> st
         found = case.read(**given)
     except pf.InputError as error:
         return "refused" if one_sentence(str(error)) else f"refused in too many words: {error}"
+    if any("another mass matrix" in note for note in found.notes):
+        return "repaired, and said to be"
     fields = FIELDS if (case.program, name) in ROTATIONS else FIELDS | {"rotations": softness("rotations")}
     for field, value in fields.items():
         old, new = value(modes), value(found)

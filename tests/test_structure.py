@@ -39,7 +39,7 @@ def test_heavy_tools_stay_at_the_rim():
         "skfem": ("fe",),
         "pyyeti": ("fe",),
         "matplotlib": ("plot.py",),
-        "typer": ("cli.py", "commands.py", "modes_command.py", "terminal.py"),
+        "typer": ("cli.py", "commands.py", "import_command.py", "modes_command.py", "terminal.py"),
         "netgen": ("fe",),
         "meshio": ("fe",),
         "pydantic": ("files",),

@@ -1,7 +1,7 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
 from textwrap import wrap
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import xarray as xr
@@ -17,6 +17,9 @@ from parflex.errors import InputError
 from parflex.modes import Modes
 from parflex.result import Result
 from parflex.sketch import Sketch
+
+if TYPE_CHECKING:
+    from parflex.fe import Fields
 
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
@@ -189,6 +192,25 @@ def solid_shapes(modes: Modes, columns: int = 4) -> Figure:
         ax.set_axis_off()
         ax.set_title(f"mode {k + 1}, {modes.frequencies[k]:.0f} rad/s", fontsize=8, y=0.95)
     fig.suptitle("Modes of the platform (dots: joints; colour: displacement)", fontsize=9)
+    return fig
+
+
+def stress(modes: Modes, fields: "Fields", title: str = "") -> Figure:
+    """The surface of a bent solid, coloured by its von Mises stress at the nodes; its deformation is
+    exaggerated to 5 % of its size."""
+    fig = figure(6.4, 4.4)
+    ax: Any = fig.add_subplot(projection="3d")
+    bend = fields.displacement
+    size = float(np.max(np.ptp(modes.nodes, axis=0)))
+    scale = 0.05 * size / (float(np.max(np.linalg.norm(bend, axis=1))) or 1.0)
+    bent = modes.nodes + scale * bend
+    drawn = Poly3DCollection(bent[modes.triangles], cmap="inferno", edgecolor="none")
+    drawn.set_array(fields.mises[modes.triangles].mean(axis=1) * 1e-6)
+    ax.add_collection3d(drawn)
+    ax.scatter(*bent[list(modes.corners)].T, s=14, color=COLOURS[4], depthshade=False)
+    frame_axes(ax, bent)
+    fig.colorbar(drawn, ax=ax, shrink=0.6, pad=0.1).set_label("von Mises stress (MPa)", fontsize=8)
+    ax.set_title(", ".join(filter(None, (title, f"deformation × {scale:.0f}"))), fontsize=9, y=0.98)
     return fig
 
 

@@ -1,5 +1,6 @@
 """Finite elements: where platforms get their modes."""
 
+from parflex.fe.accuracy import BasisError, with_mesh_error
 from parflex.fe.attach import attached
 from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
 from parflex.fe.calculix import calculix_body, read_calculix
@@ -23,6 +24,7 @@ from parflex.files.body_file import read_modes, write_modes
 __all__ = [
     "IMPORTERS",
     "Basis",
+    "BasisError",
     "Fields",
     "FreeBody",
     "FreeFree",
@@ -50,6 +52,7 @@ __all__ = [
     "solid_body",
     "solid_mesh",
     "step_mesh",
+    "with_mesh_error",
     "write_fields",
     "write_modes",
 ]

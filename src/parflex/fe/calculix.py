@@ -102,7 +102,7 @@ def exact_places(ids: Array, places: Array, deck: Deck) -> Array:
     exact = places.copy()
     exact[known] = deck.nodes[[row[int(node)] for node in ids[known]]]
     apart = np.max(np.abs(exact - places), axis=1)
-    if np.max(apart) > SAME_PLACE * np.max(np.abs(places)):
+    if not np.max(apart) <= SAME_PLACE * np.max(np.abs(places)) < np.inf:
         worst = int(np.argmax(apart))
         raise InputError(
             f"node {ids[worst]} is at {places[worst]} in frd and at {exact[worst]} in inp; give the files of "

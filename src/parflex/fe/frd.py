@@ -162,7 +162,7 @@ def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
             if not line.startswith(b" -2"):
                 raise InputError(f"frd {name} is damaged in an element; write it again")
             nodes += [int(line[k : k + 10]) for k in range(3, len(line), 10)]
-        if len(set(nodes)) != COUNTS[kind]:
+        if not len(nodes) == len(set(nodes)) == COUNTS[kind]:
             raise InputError(f"frd {name} has an element with a node twice or too many; write it again")
         found.append(FrdElement(KINDS[kind], material, tuple(nodes)))
     if len(found) != int(block.head[24:36]):
