@@ -93,7 +93,7 @@ def read_deck(deck: str | PathLike[str]) -> Deck:
     return Deck(
         ids=np.array(list(places)),
         nodes=table,
-        elements={kind: in_order(kind, rows) for kind, rows in elements.items()},
+        elements={kind: in_order(kind, rows) for kind, rows in elements.items() if rows},
         materials=materials,
     )
 
