@@ -24,6 +24,8 @@ ABAQUS_ORDER = {  # of a solid's nodes, where it is not Nastran's: upper edges b
     "wedge15": [*range(9), 12, 13, 14, 9, 10, 11],
     "hex20": [*range(12), 16, 17, 18, 19, 12, 13, 14, 15],
 }
+# shells, membranes, beams, plane elements, trusses, springs, dashpots, gaps, points
+OTHERS = ("S", "M3D", "B", "CP", "CA", "T3D", "DASHPOT", "DCOUP", "GAP", "MASS", "ROTARY", "U")
 DEEPEST = 8  # files that include one another
 
 
@@ -127,20 +129,16 @@ def blocks(path: Path, depth: int) -> Iterator[Block]:
 
 
 def solid_of(name: str, kind: str) -> str:
-    """The kind of a solid from its type, such as C3D20R; empty for what has no mass of its own."""
+    """The kind of a solid from its type, such as C3D20R; empty for what is no solid.
+
+    Raises InputError for a type that is not known.
+    """
     plain = kind.upper().rstrip("RIHT")
-    if plain in SOLIDS:
-        return SOLIDS[plain]
-    if plain.startswith(("SPRING", "DASHPOT", "GAP", "D", "MASS", "ROTARY")):
-        return ""
-    return "" if plain.startswith(("S", "B", "M3D", "CP", "CA", "T3D", "US", "U")) else unknown(name, kind)
-
-
-def unknown(name: str, kind: str) -> str:
-    """Raise InputError for a type of element."""
-    raise InputError(
-        f"inp {name} has elements of type {kind or '(none)'}, which is not known here; use solids"
-    )
+    if plain not in SOLIDS and not plain.startswith(OTHERS):
+        raise InputError(
+            f"inp {name} has elements of type {kind or '(none)'}, which is not known here; use solids"
+        )
+    return SOLIDS.get(plain, "")
 
 
 def rows_of(kind: str, data: list[list[str]]) -> list[list[int]]:
