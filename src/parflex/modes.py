@@ -12,6 +12,7 @@ from parflex.errors import InputError
 if TYPE_CHECKING:
     from parflex.fe.accuracy import BasisError
     from parflex.fe.basis import Reduction
+    from parflex.fe.check_report import CheckReport
     from parflex.fe.material import Material
 
 
@@ -47,7 +48,8 @@ class Modes:
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
     corners are the node numbers held by default, `tool` is one more where there is one; `source` says
     what computed them, `notes` what a reader of results must know; `solid` are the elements of a solid,
-    `reduction` is the model that the modes were computed of, where it is at hand.
+    `reduction` is the model that the modes were computed of, where it is at hand. Of imported modes, ids
+    (K,) are the other program's node numbers and `report` is the check report.
     """
 
     nodes: Array
@@ -60,6 +62,8 @@ class Modes:
     corners: tuple[int, ...]
     source: str
     notes: tuple[str, ...] = ()
+    ids: tuple[int, ...] = ()
+    report: "CheckReport | None" = None
     tool: int | None = None
     solid: Solid | None = None
     reduction: "Reduction | None" = None

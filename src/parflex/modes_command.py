@@ -12,6 +12,7 @@ from rich.markup import escape
 from rich.table import Table
 
 from parflex.errors import InputError
+from parflex.import_command import Files, Nodes, Program, Units, imported
 from parflex.terminal import ImageFormat, Out, check_format, check_writable, console, step
 
 COARSER = 1.5  # a mesh to compare with
@@ -54,6 +55,10 @@ def modes(
     ] = None,
     free: Annotated[bool, typer.Option("--free", help="Free-free modes only, no attachment modes.")] = False,
     tolerance: Annotated[float, typer.Option(help="Of the basis, where --modes is not given.")] = 0.01,
+    program: Program = None,
+    file: Files = None,
+    units: Units = "",
+    node: Nodes = None,
     damping: Annotated[float, typer.Option(help="Damping ratio of all modes.")] = 0.0,
     out: Out = Path("parflex-modes"),
     image: ImageFormat = "png",
@@ -69,10 +74,11 @@ def modes(
     --density 2700`
 
     `parflex modes plate.step -a 0.2,0,0.01 -a -0.1,0.17,0.01 -a -0.1,-0.17,0.01 --tool 0,0,0.02`
+
+    `parflex modes --from nastran --file op2=plate.op2 --file bulk=plate.dat --units in-lbf --node 1 --node 11
+    --node 21`
     """
-    from parflex import plot
     from parflex.fe import FreeFree, FreeFreeWithAttachment, outline_mesh, with_mesh_error
-    from parflex.files.body_file import write_modes
 
     check_format(image)
     material = {"young": young, "poisson": poisson, "density": density}
@@ -87,6 +93,15 @@ def modes(
         raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
     check_writable(out)
     start = time.perf_counter()
+    if program is not None or file or units or node:
+        if source is not None or corner or holes or tool or free:
+            raise InputError(
+                "--from imports modes; leave out what describes a body or basis of parflex's own"
+            )
+        step(start, "reading the files")
+        found = imported(program, file or [], units, count, node or [], joints, radius)
+        finish(found, (), out, None, damping, image, start)
+        return
     step(start, "meshing")
     if source is not None:
         subject = of_file(source, unit, size, material)
@@ -106,13 +121,30 @@ def modes(
     if subject.coarse is not None:
         step(start, "comparing with a coarser mesh")
         found = with_mesh_error(found, subject.coarse())
-    report(found, published(paper, thickness, material))
-    file = write_modes(found, out / "modes.h5", origin=(0, 0, 0) if paper else None, damping_ratio=damping)
+    origin = (0.0, 0.0, 0.0) if paper else None
+    finish(found, published(paper, thickness, material), out, origin, damping, image, start)
+
+
+def finish(
+    found: Any,
+    table_2: tuple[float, ...],
+    out: Path,
+    origin: tuple[float, ...] | None,
+    damping: float,
+    image: str,
+    start: float,
+) -> None:
+    """The report, the modal file, the picture."""
+    from parflex import plot
+    from parflex.files.body_file import write_modes
+
+    report(found, table_2)
+    file = write_modes(found, out / "modes.h5", origin=origin, damping_ratio=damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
     console.print(
         f"[bold]{escape(str(file))}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True
     )
-    if len(found.frequencies):
+    if len(found.frequencies) and len(found.triangles):
         step(start, "drawing the shapes")
         [picture] = plot.save({"modes": plot.mode_shapes(found)}, out, image)
         console.print(f"shapes drawn in [bold]{escape(str(picture))}[/]")
@@ -178,7 +210,7 @@ def report(found: Any, table_2: tuple[float, ...]) -> None:
     for note in found.notes:
         console.print(f"[yellow]note[/] {escape(note)}")
     table = Table("check", "found", title=escape(found.source), title_justify="left")
-    for row in check_rows(found):
+    for row in check_rows(found) if found.report is None else found.report.rows():
         table.add_row(*map(escape, row))
     console.print(table)
 
