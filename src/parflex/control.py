@@ -148,7 +148,8 @@ class ComputedTorque(Controller):
 
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
-        return self.bind(self.model, Loads(self.model, ())).forces(t, self.model.flat(state))
+        model = self.model.of(state)
+        return self.bind(model, Loads(model, ())).forces(t, model.flat(state))
 
     def bind(self, model: "Model", loads: Loads) -> Law:
         same_model(self.model, model)
