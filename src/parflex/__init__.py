@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from parflex.simulation import simulate
     from parflex.state import State, Wrench
     from parflex.trajectory import Trajectory
+    from parflex.viewer import View, view
 
 __version__ = "0.1.0"
 
@@ -45,11 +46,13 @@ _HOME = {  # loaded at first use, so that `import parflex` is quick
     "State": "state",
     "Tip": "legs",
     "Trajectory": "trajectory",
+    "View": "viewer",
     "Wrench": "state",
     "export_c": "compiled.c.export",
     "load_result": "result",
     "load_robot": "files.robot_file",
     "simulate": "simulation",
+    "view": "viewer",
 }
 _MODULES = ("fe", "robots", "plot")
 
@@ -75,6 +78,7 @@ __all__ = [
     "State",
     "Tip",
     "Trajectory",
+    "View",
     "Wrench",
     "export_c",
     "fe",
@@ -82,6 +86,7 @@ __all__ = [
     "load_robot",
     "robots",
     "simulate",
+    "view",
 ]
 
 

@@ -23,6 +23,7 @@ from parflex.terminal import (
     console,
     step,
 )
+from parflex.viewing import view
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -33,7 +34,7 @@ app = typer.Typer(
     "Start with `parflex paper`: it flies the robot of the paper and draws its figures. For a robot "
     "of your own, `parflex init`, then `parflex check` and `parflex simulate`.",
 )
-for command in (check, simulate, init, export):
+for command in (view, check, simulate, init, export):
     app.command()(command)
 
 

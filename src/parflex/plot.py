@@ -1,7 +1,8 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
+from io import StringIO
 from textwrap import wrap
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -47,6 +48,37 @@ def legend_right(ax: Axes) -> None:
 def time_label(ax: Axes) -> None:
     """The shared abscissa."""
     ax.set_xlabel("time (s)")
+
+
+class Drawn(NamedTuple):
+    """A figure as SVG, and where each of its axes is: left, bottom, right, top from 0 to 1."""
+
+    svg: str
+    boxes: tuple[tuple[float, float, float, float], ...]
+
+
+def drawn(fig: Figure) -> Drawn:
+    """The figure as a vector picture that stands by itself."""
+    text = StringIO()
+    fig.savefig(text, format="svg", metadata={"Date": None})
+    return Drawn(text.getvalue(), tuple(tuple(ax.get_position().extents) for ax in fig.axes))
+
+
+def over_time(result: Result) -> dict[str, Figure]:
+    """The figures of a run over time that its result has the data for, by what they show."""
+    made = {
+        "Actuator forces": (actuator_forces, "forces"),
+        "Accelerations": (accelerations, "acceleration_error"),
+        "Deformation at the origin": (origin_deformation, "origin_deformation"),
+        "Deformation at the attachments": (attachment_deformation, "attachment_deformation"),
+        "Energy balance": (energy, "energy_residual"),
+    }
+    bends = result.dataset.sizes.get("mode", 0) > 0
+    return {
+        words: draw(result)
+        for words, (draw, needed) in made.items()
+        if needed in result.dataset and (bends or "Deformation" not in words)
+    }
 
 
 def actuator_forces(result: Result) -> Figure:
