@@ -77,9 +77,8 @@ def judged(dataset: xr.Dataset) -> Opened:
             f"This file has format {version!r}, this parflex reads {FORMAT!r}: what both know is shown."
         )
     if dataset.attrs.get("partial"):
-        last = f"{float(dataset['time'][-1]):.4g} s" if dataset.sizes.get("time") else "its first instant"
         why = dataset.attrs.get("stopped") or "for a reason that the file does not tell"
-        notes.append(f"Partial: the run ended at {last}, {why}.")
+        notes.append(f"Partial: the run stopped {why}.")
     notes += incomplete(dataset)
     return Opened(dataset, tuple(notes))
 

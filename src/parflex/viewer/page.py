@@ -76,9 +76,7 @@ def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "",
     layout, data = packed(scene.arrays)
     meta = scene.meta | {
         "plates": ids,
-        "parts": [
-            part.moves | {"ids": own} for part, own in zip(scene.parts, parts, strict=True) if part.moves
-        ],
+        "parts": [part.moves | {"ids": own} for part, own in zip(scene.parts, parts, strict=True)],
         "colourings": {key: each.for_page() for key, each in scene.colourings.items()},
         "colouring": next(iter(scene.colourings)),
         "arrays": layout,
@@ -97,7 +95,7 @@ def assembled(snapshot: str, body: dict[str, Any], data: str) -> str:
     title = html.escape(f"{body['title']} · parflex")
     meta = json.dumps(body["meta"]).replace("<", "\\u003c")
     head = (
-        f'<meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
+        f'<link rel="icon" href="data:,"><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
         f"<style>{ours('viewer.css')}</style><script>{ours('failures.js')}</script>"
     )
     held = (

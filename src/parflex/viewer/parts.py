@@ -126,7 +126,7 @@ def pedestal(legs: Legs, p: int) -> Part:
     place = np.eye(4)
     place[:3, :3] = np.diag([3.2, 3.2, 0.7]) * legs.width
     place[:3, 3] = legs.points[0, p, 0] - [0, 0, 2.2 * legs.width]
-    return Part((drum(),), DARK, {}, place)
+    return Part((drum(),), DARK, {"kind": "still"}, place)
 
 
 def rail(legs: Legs, p: int, s: int) -> Part:
@@ -141,7 +141,7 @@ def rail(legs: Legs, p: int, s: int) -> Part:
         [1.3 * legs.width * across, 1.3 * legs.width * np.cross(axis, across), (high - low) * axis], axis=-1
     )
     place[:3, 3] = points[0] + low * axis
-    return Part((cylinder(),), STEEL, {}, place)
+    return Part((cylinder(),), STEEL, {"kind": "still"}, place)
 
 
 def arrow(attachment: int, width: float) -> Part:
