@@ -140,7 +140,7 @@ def test_shown_deflection_is_that_of_the_dataset(page, run, index):
     every = np.einsum("tn,nka->tka", data["elastic"].values, data["platform_shape"].values)
     largest = np.max(np.abs(every))
     assert np.max(np.abs(drawn / scale - bend)[:, 2]) <= 1e-6 * largest
-    # along x and y the undeformed coordinate itself, of the size of the platform, is rounded to single precision
+    # along x and y the coordinate at rest, of the size of the platform, is rounded to single precision
     assert (
         np.max(np.abs(drawn / scale - bend))
         <= 1e-6 * largest + np.finfo(np.float32).eps * np.abs(nodes).max()

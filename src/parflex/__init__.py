@@ -5,6 +5,7 @@ model = pf.Model(pf.robots.gough_stewart())
 model.direct(model.robot.home, forces)
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -95,7 +96,7 @@ def __getattr__(name: str) -> Any:
         return import_module(f"parflex.{name}")
     if name in _HOME:
         return getattr(import_module(f"parflex.{_HOME[name]}"), name)
-    raise AttributeError(f"module 'parflex' has no attribute {name!r}")
+    raise AttributeError(f"module 'parflex' has no attribute {name!r}", name=name, obj=sys.modules[__name__])
 
 
 def __dir__() -> list[str]:

@@ -10,6 +10,7 @@ from rich.table import Table
 
 from parflex.errors import InputError
 from parflex.terminal import Backend, ImageFormat, Out, check_format, check_writable, console, step
+from parflex.viewing import what_now
 
 if TYPE_CHECKING:
     from parflex.output import FrameOutput
@@ -96,6 +97,7 @@ def simulate(
         console.print(f"[yellow]note[/] {line}")
     names = ", ".join(path.name for path in pictures)
     console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
+    what_now(saved)
     if done.result.partial:
         raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
 

@@ -212,6 +212,26 @@ def mode_shapes(modes: Modes, columns: int = 4) -> Figure:
     return fig
 
 
+def shapes_of(result: Result, columns: int = 5) -> Figure:
+    """Deflection of a flat platform's modes as its result has them, each scaled to its largest value."""
+    data = result.dataset
+    mesh = Triangulation(*data["platform_node"].values[:, :2].T, data["platform_triangle"].values)
+    shapes = data["platform_shape"].values[..., 2]
+    columns = min(columns, len(shapes))
+    rows = -(-len(shapes) // columns)
+    fig = figure(1.7 * columns + 0.4, 1.9 * rows + 0.4)
+    panels = fig.subplots(rows, columns, squeeze=False)
+    for k, ax in enumerate(panels.flat):
+        ax.set_axis_off()
+        if k < len(shapes):
+            w = shapes[k] / (np.max(np.abs(shapes[k])) or 1.0)
+            ax.tripcolor(mesh, w, shading="gouraud", cmap="RdBu_r", vmin=-1, vmax=1, rasterized=True)
+            ax.set_aspect("equal")
+            ax.set_title(f"mode {k + 1}", fontsize=8)
+    fig.suptitle("Elastic modes: deflection along $z_p$ over its largest value (red +, blue −)", fontsize=9)
+    return fig
+
+
 def smooth_deflection(modes: Modes, k: int) -> tuple[Triangulation, Array]:
     """The deflection of mode k between the nodes, from its values and slopes there."""
     mesh = Triangulation(*modes.nodes[:, :2].T, modes.triangles)

@@ -9,6 +9,14 @@ from rich.markup import escape
 
 from parflex.terminal import console
 
+
+def what_now(saved: Path) -> None:
+    """What to do with a result that was just saved."""
+    path = escape(str(saved))
+    console.print(f"see it move:  parflex view {path}", soft_wrap=True)
+    console.print(f"write it up:  parflex report {path}", soft_wrap=True)
+
+
 ResultPath = Annotated[Path, typer.Argument(help="A result (NetCDF-4) that a simulation saved.")]
 
 
@@ -45,6 +53,26 @@ def view(
         )
         return
     serve(result, curves, browser, port)
+
+
+def report(
+    result: ResultPath,
+    out: Annotated[Path | None, typer.Option(help="The HTML file; report.html beside the result.")] = None,
+) -> None:
+    """Write what was simulated as one HTML file to send: modes, figures, energies, checks, the robot file.
+
+    Example: `parflex report parflex-paper/result.nc`
+    """
+    from parflex.files.writing import replacing
+    from parflex.progress import waiting
+    from parflex.report import report_of
+
+    target = result.with_name("report.html") if out is None else out
+    with waiting("writing the report"):
+        text = report_of(result)
+        with replacing(target) as part:
+            part.write_text(text, encoding="utf-8")
+    console.print(f"wrote [bold]{escape(str(target))}[/] ({len(text) / 1e6:.1f} MB); it needs nothing else")
 
 
 def serve(result: Path, curves: bool, browser: bool, port: int) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 
 from parflex.errors import InputError
+from parflex.files.absent import absent
 from parflex.result import FORMAT
 
 NEEDED = ("position", "rotation")  # without these there is no robot to draw
@@ -52,7 +53,7 @@ def opened(path: Path) -> Opened:
         with xr.open_dataset(path, engine="h5netcdf") as data:
             return judged(data.load())
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
+        raise InputError(absent(path)) from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"{path} {damage(str(error) or type(error).__name__)}") from None
 

@@ -95,7 +95,8 @@ def assembled(snapshot: str, body: dict[str, Any], data: str) -> str:
     title = html.escape(f"{body['title']} · parflex")
     meta = json.dumps(body["meta"]).replace("<", "\\u003c")
     head = (
-        f'<link rel="icon" href="data:,"><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>'
+        '<link rel="icon" href="data:,"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title>"
         f"<style>{ours('viewer.css')}</style><script>{ours('failures.js')}</script>"
     )
     held = (
