@@ -206,6 +206,23 @@ origin = [0.1, 0.1, 0]
     assert body.attachments == (1, 2, 3, 4)
 
 
+def test_plate_without_modes_gets_the_right_basis(tmp_path):
+    """No number of modes: free–free and attachment modes, right to 1 %."""
+    table = """[platform]
+kind = "polygon"
+corners = [[0, 0], [0.6, 0], [0.6, 0.4], [0, 0.4]]
+thickness = 0.01
+young = 70e9
+poisson = 0.33
+density = 2700
+"""
+    body = pf.load_robot(written(tmp_path, GOOD[: GOOD.index("[platform]")] + table)).platform
+    plate = pf.fe.plate_body([(0, 0), (0.6, 0), (0.6, 0.4), (0, 0.4)], 0.01, 70e9, 0.33, 2700)
+    found = pf.fe.modes(plate)
+    assert found.error.within(0.01)
+    assert relative(body.stiffness, found.frequencies**2) < 1e-9
+
+
 EIGENSOLVER = 1e-7  # modes of corners that differ by round-off, pairs turned by as much
 
 

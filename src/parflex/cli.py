@@ -4,7 +4,7 @@ import sys
 import time
 import warnings
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 from rich.markup import escape
@@ -13,6 +13,7 @@ from rich.table import Table
 import parflex
 from parflex.commands import check, export, init, simulate, summary
 from parflex.errors import InputError
+from parflex.modes_command import frequency_table, modes
 from parflex.terminal import (
     Backend,
     ImageFormat,
@@ -35,7 +36,7 @@ app = typer.Typer(
     "it moving in the browser. For a robot of your own, `parflex init`, then `parflex check` and "
     "`parflex simulate`.",
 )
-for command in (view, report, check, simulate, init, export):
+for command in (view, report, check, simulate, init, export, modes):
     app.command()(command)
 
 
@@ -127,48 +128,6 @@ def paper(
 
 
 @app.command()
-def modes(
-    corner: Annotated[
-        list[str] | None,
-        typer.Option("--corner", "-c", help='Corner "x,y" in metres; repeat it, in order around.'),
-    ] = None,
-    thickness: Annotated[float, typer.Option(help="Thickness, m.")] = 15e-3,
-    young: Annotated[float, typer.Option(help="Young's modulus, N/m².")] = 2e10,
-    poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
-    density: Annotated[float, typer.Option(help="Density, kg/m³.")] = 7.5e3,
-    count: Annotated[int, typer.Option("--modes", help="Elastic modes to compute.")] = 10,
-    refine: Annotated[int | None, typer.Option(help="Halvings of the mesh; by default enough.")] = None,
-    out: Out = Path("parflex-modes"),
-    image: ImageFormat = "png",
-) -> None:
-    """Compute the free-free modes of a convex plate: a table and a picture.
-
-    Without corners it is the paper's hexagon. Example, a rectangle of aluminium:
-
-    `parflex modes -c 0,0 -c 0.6,0 -c 0.6,0.4 -c 0,0.4 --thickness 0.01 --young 70e9 --poisson 0.33
-    --density 2700`
-    """
-    from parflex import plot
-    from parflex.fe import plate_modes
-    from parflex.robots.gough_stewart import TABLE_2, corners
-
-    check_format(image)
-    polygon = corners() if corner is None else [point(text) for text in corner]
-    found = plate_modes(polygon, thickness, young, poisson, density, count, refine)
-    published = TABLE_2 if is_paper_plate(corner, thickness, young, poisson, density) else ()
-    console.print(frequency_table(found, published))
-    for note in found.notes:
-        console.print(f"[yellow]note[/] {note}")
-    moments = found.moments
-    com = [round(float(first) / moments.m, 9) + 0.0 for first in moments.MS0]
-    console.print(f"mass {moments.m:.4f} kg, centre of mass ({com[0]:.4g}, {com[1]:.4g}) m; {found.source}")
-    if count:
-        out.mkdir(parents=True, exist_ok=True)
-        plot.mode_shapes(found).savefig(out / f"modes.{image}")
-        console.print(f"shapes drawn in [bold]{out / f'modes.{image}'}[/]")
-
-
-@app.command()
 def doctor() -> None:
     """Show versions and the backend in use, and check it against NumPy.
 
@@ -187,35 +146,6 @@ def doctor() -> None:
         console.print(f"{mark} {line.what}: {line.found}")
     if not healthy:
         raise typer.Exit(1)
-
-
-def frequency_table(found: Any, published: tuple[float, ...]) -> Table:
-    """Frequencies, their estimated error, and the published ones where there are any."""
-    heads = ["mode", "rad/s", "Hz", "change from coarser mesh"]
-    table = Table(*heads, *(["Table 2", "difference"] if published else []), title="Elastic modes")
-    for k, omega in enumerate(found.frequencies):
-        error = found.frequency_error[k]
-        row = [f"{k + 1}", f"{omega:.3f}", f"{omega / 6.283185307179586:.3f}", f"{100 * error:.3f} %"]
-        if k < len(published):
-            row += [f"{published[k]:.3f}", f"{100 * (omega / published[k] - 1):+.2f} %"]
-        table.add_row(*row)
-    return table
-
-
-def point(text: str) -> tuple[float, float]:
-    """A corner from "x,y"."""
-    try:
-        x, y = (float(part) for part in text.split(","))
-    except ValueError:
-        raise InputError(f'--corner is {text!r}; write it as "x,y" in metres, like 0.5,0.2') from None
-    return x, y
-
-
-def is_paper_plate(corner: list[str] | None, *values: float) -> bool:
-    """Whether Table 2 is about this plate."""
-    from parflex.robots.gough_stewart import PLATE
-
-    return corner is None and values == tuple(PLATE.values())
 
 
 def run() -> None:

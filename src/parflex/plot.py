@@ -186,6 +186,41 @@ def energy(result: Result) -> Figure:
 
 
 def mode_shapes(modes: Modes, columns: int = 4) -> Figure:
+    """A platform's modes, each scaled to its largest value: of a flat one the deflection, of a solid its
+    bent surface."""
+    return flat_shapes(modes, columns) if np.ptp(modes.nodes[:, 2]) == 0 else solid_shapes(modes, columns)
+
+
+def solid_shapes(modes: Modes, columns: int = 4) -> Figure:
+    """The surface of a solid bent by each mode, coloured by its displacement."""
+    count = len(modes.frequencies)
+    columns = max(1, min(columns, count))
+    rows = max(1, -(-count // columns))
+    fig = figure(2.2 * columns + 0.8, 1.9 * rows + 0.5)
+    surface = modes.triangles
+    if modes.solid is not None:  # the corners of each face, whose four triangles are listed together
+        surface = surface.reshape(-1, 4, 3)[:, [0, 1, 2], [0, 1, 2]]
+    held = modes.nodes[list(modes.corners)]
+    size = float(np.max(np.ptp(modes.nodes, axis=0)))
+    for k in range(count):
+        ax: Any = fig.add_subplot(rows, columns, k + 1, projection="3d")
+        moved = modes.shapes[k] / np.max(np.linalg.norm(modes.shapes[k], axis=1))
+        bent = modes.nodes + 0.12 * size * moved
+        drawn = Poly3DCollection(bent[surface], cmap="viridis", edgecolor="none")
+        drawn.set_array(np.linalg.norm(moved, axis=1)[surface].mean(axis=1))
+        drawn.set_clim(0, 1)
+        ax.add_collection3d(drawn)
+        ax.scatter(*held.T, s=6, color="0.1", depthshade=False)
+        low, high = bent.min(axis=0), bent.max(axis=0)
+        ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
+        ax.set_box_aspect(high - low, zoom=1.3)
+        ax.set_axis_off()
+        ax.set_title(f"mode {k + 1}, {modes.frequencies[k]:.0f} rad/s", fontsize=8, y=0.95)
+    fig.suptitle("Modes of the platform (dots: joints; colour: displacement)", fontsize=9)
+    return fig
+
+
+def flat_shapes(modes: Modes, columns: int = 4) -> Figure:
     """Deflection of a flat platform's modes, each scaled to its largest value."""
     count = len(modes.frequencies)
     columns = max(1, min(columns, count))

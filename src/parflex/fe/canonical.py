@@ -7,6 +7,7 @@ import numpy as np
 from parflex.array import Array
 
 DEGENERATE = 1e-3  # relative gap below which neighbouring frequencies count as one
+EQUAL = 1e-8  # and below which their modes may be turned into one another
 
 
 def canonical(vectors: Array, frequencies: Array, deflection: Array, corners: int) -> Array:
@@ -29,15 +30,15 @@ def canonical(vectors: Array, frequencies: Array, deflection: Array, corners: in
 
 
 def clusters(frequencies: Array) -> list[tuple[int, int]]:
-    """Ranges of modes whose neighbours lie closer than `DEGENERATE`."""
-    breaks = [i for i in range(1, len(frequencies)) if not close(frequencies, i)]
+    """Ranges of modes whose neighbours lie closer than `EQUAL`."""
+    breaks = [i for i in range(1, len(frequencies)) if not close(frequencies, i, EQUAL)]
     edges = [0, *breaks, len(frequencies)]
     return [(a, b) for a, b in pairwise(edges) if b > a]
 
 
-def close(frequencies: Array, i: int) -> bool:
+def close(frequencies: Array, i: int, gap: float = DEGENERATE) -> bool:
     """Whether mode i and the one before it count as degenerate."""
-    return bool(frequencies[i] - frequencies[i - 1] < DEGENERATE * frequencies[i])
+    return bool(frequencies[i] - frequencies[i - 1] < gap * frequencies[i])
 
 
 def cut_pair(frequencies: Array, n_modes: int) -> tuple[str, ...]:

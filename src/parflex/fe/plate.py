@@ -10,19 +10,20 @@ from typing import Any, NamedTuple
 import numpy as np
 import skfem
 from numpy.typing import ArrayLike
-from scipy.sparse.linalg import eigsh
+from scipy import sparse
+from scipy.sparse.linalg import splu
 from skfem.helpers import dd, ddot, dot, grad, trace
 
 from parflex.array import Array
 from parflex.check import integer, positive, scalar
 from parflex.errors import InputError
-from parflex.fe.canonical import canonical, cut_pair
+from parflex.fe.basis import Basis, FreeFree
+from parflex.fe.free_body import FreeBody
 from parflex.fe.polygon import centroid, convex_polygon
 from parflex.modes import Modes, Moments, shifted
 
 DEFAULT_REFINE = 2
 UNRESOLVED = 0.05  # change of a frequency from the coarser mesh that is worth a warning
-SPARE = 3  # modes computed beyond those asked for, to see whether a degenerate pair is cut
 
 
 class Section(NamedTuple):
@@ -34,29 +35,22 @@ class Section(NamedTuple):
     poisson: float
 
 
-class PlateSolution(NamedTuple):
-    """Elastic modes in the finite-element basis."""
-
-    basis: skfem.Basis
-    frequencies: Array  # (N,)
-    coefficients: Array  # (unknowns, N)
-
-
 def plate_modes(
     polygon: ArrayLike,
     thickness: float,
     young: float,
     poisson: float,
     density: float,
-    n_modes: int,
+    n_modes: int | Basis,
     refine: int | None = None,
 ) -> Modes:
-    """Free–free elastic modes of a plate of convex polygonal outline.
+    """Elastic modes of a plate of convex polygonal outline, free–free or in a basis of one's choice.
 
-    polygon (n, 2) m, either sense of rotation; thickness m; young N/m²; density kg/m³; n_modes ≥ 0
-    (0: the rigid plate). `refine` halves the triangles, fanned from the centroid, that many times;
-    by default as often as the number of modes needs, at least twice. The error of a
-    frequency is estimated by its change from the mesh once coarser; frequencies come from above.
+    polygon (n, 2) m, either sense of rotation; thickness m; young N/m²; density kg/m³; n_modes is how
+    many free–free modes are kept (0: the rigid plate), or a basis. `refine` halves the triangles,
+    fanned from the centroid, that many times; by default as often as the number of modes needs, at
+    least twice. The error of a frequency is estimated by its change from the mesh once coarser;
+    frequencies come from above.
 
     Node 0 is the centroid, nodes 1 … n are the corners. Signs and the orientation of degenerate
     pairs are canonical: positive at the first corner that moves; of a pair, the first has the
@@ -68,34 +62,42 @@ def plate_modes(
     """
     corners = convex_polygon(polygon)
     section = plate_section(thickness, young, poisson, density)
-    integer("n_modes", n_modes)
+    basis = n_modes if isinstance(n_modes, Basis) else FreeFree(integer("n_modes", n_modes))
     if refine is None:
-        refine = next(r for r in range(DEFAULT_REFINE, 9) if unknowns(len(corners), r) > 12 * n_modes)
+        refine = next(r for r in range(DEFAULT_REFINE, 9) if unknowns(len(corners), r) > 12 * basis.n)
     else:
         integer("refine", refine, 1)
-    if n_modes + 6 > unknowns(len(corners), refine):
+    if basis.n + 6 > unknowns(len(corners), refine):
         raise InputError(
-            f"n_modes is {n_modes}, more than {unknowns(len(corners), refine)} unknowns can carry; "
+            f"n_modes is {basis.n}, more than {unknowns(len(corners), refine)} unknowns can carry; "
             f"raise refine above {refine}"
         )
-    fine = solve_plate(corners, section, n_modes, refine)
-    coarse = solve_plate(corners, section, n_modes, refine - 1)
-    kept = PlateSolution(fine.basis, fine.frequencies[:n_modes], fine.coefficients[:, :n_modes])
-    known = min(n_modes, len(coarse.frequencies))
-    error = np.full(n_modes, np.nan)
-    error[:known] = np.abs(coarse.frequencies[:known] / kept.frequencies[:known] - 1.0)
-    notes = (*cut_pair(fine.frequencies, n_modes), *coarse_mesh(error, refine))
-    for note in notes:
+    modes = basis.modes(assembled(corners, section, refine))
+    coarse = coarse_frequencies(assembled(corners, section, refine - 1), basis)
+    error = np.full(len(modes.frequencies), np.nan)
+    known = min(len(error), len(coarse))
+    error[:known] = np.abs(coarse[:known] / modes.frequencies[:known] - 1.0)
+    coarse_notes = coarse_mesh(error[: basis.n], refine)
+    for note in (*(modes.notes if isinstance(basis, FreeFree) else ()), *coarse_notes):
         warnings.warn(note, stacklevel=2)
-    modes = tabulate(kept, section, len(corners), refine)
-    place = np.append(centroid(corners), 0.0)
-    return replace(
-        modes,
-        nodes=modes.nodes + place,
-        moments=shifted(modes.moments, -place),
-        frequency_error=error,
-        notes=notes,
-    )
+    return replace(modes, frequency_error=error, notes=(*modes.notes, *coarse_notes))
+
+
+def plate_body(
+    polygon: ArrayLike,
+    thickness: float,
+    young: float,
+    poisson: float,
+    density: float,
+    refine: int = DEFAULT_REFINE,
+) -> FreeBody:
+    """A free plate of convex polygonal outline; as `plate_modes`, for bases of one's choice.
+
+    Raises InputError for a polygon that is not convex or crosses itself and for values no plate has.
+    """
+    corners = convex_polygon(polygon)
+    section = plate_section(thickness, young, poisson, density)
+    return assembled(corners, section, integer("refine", refine))
 
 
 def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
@@ -134,32 +136,80 @@ def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
     return skfem.MeshTri(points, np.stack([0 * i, 1 + i, 1 + (i + 1) % n])).refined(refine)
 
 
-def solve_plate(corners: Array, section: Section, n_modes: int, refine: int) -> PlateSolution:
-    """Elastic modes and some to spare; the three rigid ones are recognised and left out.
+def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
+    """Matrices and meaning of the Argyris unknowns.
 
     The mesh lies about the centroid: the element's polynomials are ill-conditioned far from their
     origin.
     """
+    place = np.append(centroid(corners), 0.0)
     basis = skfem.Basis(fan_mesh(corners - centroid(corners), refine), skfem.ElementTriArgyris(), intorder=10)
     mass = inertia_form(section).assemble(basis)
-    stiffness = bending_form(section).assemble(basis)
-    count = min(n_modes + SPARE + 3, basis.N - 1)
     size = np.linalg.norm(np.ptp(corners, axis=0))
-    shift = -section.D / (section.a * size**4)  # below zero, so that K − σM is definite
-    start = np.random.default_rng(0).standard_normal(basis.N)
-    values, vectors = eigsh(stiffness, count, mass, sigma=shift, v0=start, tol=1e-14)
-    order = np.argsort(values)
-    values, vectors = values[order], vectors[:, order]
-    if np.any(np.abs(values[:3]) > 1e-4 * values[3]):
-        raise InputError(
-            f"polygon: no three rigid modes were found (ω² = {values[:4]}); its triangles are too "
-            f"slender for this mesh"
-        )
-    elastic = vectors[:, 3:]
-    quotient = np.sum(elastic * (stiffness @ elastic), axis=0)
-    frequencies = np.sqrt(quotient / np.sum(elastic * (mass @ elastic), axis=0))
-    deflection = elastic[basis.dofs.nodal_dofs[0]]
-    return PlateSolution(basis, frequencies, canonical(elastic, frequencies, deflection, len(corners)))
+
+    def moments(vectors: Array) -> Moments:
+        return shifted(plate_moments(sampled(basis, vectors), section, *quadrature(basis)), -place)
+
+    return FreeBody(
+        nodes=np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T + place,
+        stiffness=bending_form(section).assemble(basis),
+        mass=mass,
+        displacement=node_rows(basis, {2: (0, 1.0)}),
+        rotation=node_rows(basis, {0: (2, 1.0), 1: (1, -1.0)}),
+        patches=False,
+        rigid=rigid_motions(basis, section, mass),
+        moments=moments,
+        shift=float(section.D / (section.a * size**4)),
+        triangles=basis.mesh.t.T.copy(),
+        corners=tuple(range(1, len(corners) + 1)),
+        source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",
+    )
+
+
+def coarse_frequencies(body: FreeBody, basis: Basis) -> Array:
+    """Those of the coarser mesh, as far as it carries them."""
+    try:
+        return basis.modes(body).frequencies
+    except InputError:
+        count = max(body.unknowns - 8, 0)
+        return np.sqrt(body.free_modes(min(basis.n, count))[0])
+
+
+def node_rows(basis: skfem.Basis, components: dict[int, tuple[int, float]]) -> sparse.csr_array:
+    """(3V, n): components at the vertices as signed nodal unknowns (w, w_x, w_y, …)."""
+    vertices = np.arange(basis.mesh.nvertices)
+    rows = np.concatenate([3 * vertices + component for component in components])
+    columns = np.concatenate([basis.dofs.nodal_dofs[kind] for kind, _ in components.values()])
+    signs = np.repeat([sign for _, sign in components.values()], len(vertices))
+    return sparse.csr_array((signs, (rows, columns)), shape=(3 * len(vertices), basis.N))
+
+
+def rigid_motions(basis: skfem.Basis, section: Section, mass: Any) -> Array:
+    """(n, 6): w = 1, y, −x for translation along z and rotations about x and y, zero for the others.
+
+    What the edges' normal slopes are follows from the vertices' unknowns by projection.
+    """
+    x, y = basis.mesh.p
+    vertices, edges = basis.dofs.nodal_dofs, basis.dofs.facet_dofs[0]
+    inner = splu(mass[edges][:, edges].tocsc())
+    rigid = np.zeros((basis.N, 6))
+    for column, (c, c_x, c_y) in {2: (1, 0, 0), 3: (0, 0, 1), 4: (0, -1, 0)}.items():
+        for unknown, value in enumerate((c + c_x * x + c_y * y, c_x, c_y)):
+            rigid[vertices[unknown], column] = value
+        load = rigid_load(section, c, c_x, c_y).assemble(basis) - mass @ rigid[:, column]
+        rigid[edges, column] = inner.solve(load[edges])
+    return rigid
+
+
+def rigid_load(section: Section, c: float, c_x: float, c_y: float) -> skfem.LinearForm:
+    """a w v + b ∇w·∇v of w = c + c_x x + c_y y."""
+
+    @skfem.LinearForm
+    def load(v: Any, at: Any) -> Any:
+        w = c + c_x * at.x[0] + c_y * at.x[1]
+        return section.a * w * v + section.b * (c_x * grad(v)[0] + c_y * grad(v)[1])
+
+    return load
 
 
 def bending_form(section: Section) -> skfem.BilinearForm:
@@ -189,69 +239,19 @@ class PlateFields(NamedTuple):
     w: Array  # (N, P)
     slope: Array  # (N, 2, P)
 
-    def plus_rigid(self, motion: Array, x: Array) -> "PlateFields":
-        """With a rigid motion (N, 3) in 1, x, y added."""
-        ones = np.ones_like(x[:1])
-        return PlateFields(
-            self.w + motion @ np.concatenate([ones, x]),
-            self.slope + motion[:, 1:, None] * ones,
-        )
-
-    def mixed(self, matrix: Array) -> "PlateFields":
-        """Linear combinations of the modes."""
-        return PlateFields(matrix @ self.w, np.einsum("ij,jap->iap", matrix, self.slope))
-
 
 def quadrature(basis: skfem.Basis) -> tuple[Array, Array]:
     """Points (2, Q) and weights (Q,) that integrate products of the shapes exactly."""
     return np.asarray(basis.global_coordinates()).reshape(2, -1), basis.dx.reshape(-1)
 
 
-def sampled(solution: PlateSolution, section: Section) -> tuple[PlateFields, PlateFields]:
-    """The modes at the quadrature points and at the nodes.
-
-    They are made orthogonal to the rigid motions, and orthonormal, as functions: the element's
-    own basis represents 1, x and y to some 1e-11 only.
-    """
-    basis, coefficients = solution.basis, solution.coefficients
-    modes = coefficients.shape[1]
-    x, dx = quadrature(basis)
-    interpolated = [basis.interpolate(column) for column in coefficients.T]
-    inside = PlateFields(
-        np.array([np.asarray(f) for f in interpolated]).reshape(modes, dx.size),
-        np.array([f.grad for f in interpolated]).reshape(modes, 2, dx.size),
-    )
-    u, u_x, u_y = (coefficients[dofs].T for dofs in basis.dofs.nodal_dofs[:3])
-    at_nodes = PlateFields(u, np.stack([u_x, u_y], axis=1))
-    rigid = PlateFields(np.zeros((3, dx.size)), np.zeros((3, 2, dx.size))).plus_rigid(np.eye(3), x)
-    motion = -np.linalg.solve(modal_mass(rigid, rigid, section, dx), modal_mass(rigid, inside, section, dx)).T
-    inside, at_nodes = inside.plus_rigid(motion, x), at_nodes.plus_rigid(motion, basis.mesh.p)
-    whiten = np.linalg.inv(np.linalg.cholesky(modal_mass(inside, inside, section, dx)))
-    return inside.mixed(whiten), at_nodes.mixed(whiten)
-
-
-def modal_mass(left: PlateFields, right: PlateFields, section: Section, dx: Array) -> Array:
-    """∫ a w v + b ∇w·∇v, (N_left, N_right)."""
-    rotary = np.einsum("iap,jap->ij", left.slope * dx, right.slope, optimize=True)
-    return section.a * (left.w * dx) @ right.w.T + section.b * rotary
-
-
-def tabulate(solution: PlateSolution, section: Section, corners: int, refine: int) -> Modes:
-    """Shapes at the nodes and the moment tensors of a plate that moves as (−z ∇w, w)."""
-    basis = solution.basis
-    inside, at_nodes = sampled(solution, section)
-    w, (w_x, w_y) = at_nodes.w, np.moveaxis(at_nodes.slope, 1, 0)
-    still = np.zeros_like(w)
-    return Modes(
-        nodes=np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T,
-        triangles=basis.mesh.t.T.copy(),
-        shapes=np.stack([still, still, w], axis=-1),
-        rotations=np.stack([w_y, -w_x, still], axis=-1),
-        frequencies=solution.frequencies,
-        frequency_error=np.full(len(w), np.nan),
-        moments=plate_moments(inside, section, *quadrature(basis)),
-        corners=tuple(range(1, corners + 1)),
-        source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",
+def sampled(basis: skfem.Basis, vectors: Array) -> PlateFields:
+    """The modes at the quadrature points."""
+    modes = vectors.shape[1]
+    interpolated = [basis.interpolate(column) for column in vectors.T]
+    return PlateFields(
+        np.array([np.asarray(f) for f in interpolated]).reshape(modes, basis.dx.size),
+        np.array([f.grad for f in interpolated]).reshape(modes, 2, basis.dx.size),
     )
 
 

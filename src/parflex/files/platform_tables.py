@@ -10,13 +10,13 @@ from parflex.array import outer
 from parflex.body import FlexibleBody
 from parflex.errors import InputError
 from parflex.files.body_file import load_body
-from parflex.files.robot_schema import ModalTable, PolygonTable, RigidTable
+from parflex.files.robot_schema import ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import inertia_matrix
 
 WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 
 
-def platform(table: RigidTable | PolygonTable | ModalTable, folder: Path) -> FlexibleBody:
+def platform(table: RigidTable | PolygonTable | SolidTable | ModalTable, folder: Path) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
 
     Raises InputError that begins with the field's name.
@@ -24,6 +24,8 @@ def platform(table: RigidTable | PolygonTable | ModalTable, folder: Path) -> Fle
     try:
         if isinstance(table, ModalTable):
             return load_body(folder / table.file)
+        if isinstance(table, SolidTable):
+            return solid(table, folder)
         return plate(table) if isinstance(table, PolygonTable) else rigid(table)
     except InputError as error:
         first, space, rest = str(error).partition(" ")
@@ -32,12 +34,30 @@ def platform(table: RigidTable | PolygonTable | ModalTable, folder: Path) -> Fle
 
 def plate(table: PolygonTable) -> FlexibleBody:
     """A plate with computed modes, held at its corners or at the points named."""
-    from parflex.fe import plate_modes
+    from parflex.fe import modes, plate_body, plate_modes
 
-    values = (table.thickness, table.young, table.poisson, table.density, table.modes, table.refine)
-    modes = plate_modes(table.corners, *values)
+    section = (table.thickness, table.young, table.poisson, table.density)
     points = None if table.attachments is None else [(x, y, 0.0) for x, y in table.attachments]
-    return FlexibleBody.from_modes(modes, points, table.origin, table.damping_ratio)
+    if table.modes is None:
+        options = {} if table.refine is None else {"refine": table.refine}
+        found = modes(plate_body(table.corners, *section, **options), points)
+        return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
+    found = plate_modes(table.corners, *section, table.modes, table.refine)
+    return FlexibleBody.from_modes(found, points, table.origin, table.damping_ratio)
+
+
+def solid(table: SolidTable, folder: Path) -> FlexibleBody:
+    """A solid with computed modes, held at patches of its surface."""
+    from parflex.fe import FreeFreeWithAttachment, Material, mesh_from, modes, solid_body
+
+    mesh = mesh_from(folder / table.file, table.unit, table.size)
+    body = solid_body(mesh, Material(table.young, table.poisson, table.density))
+    places = (table.attachments, table.tool, table.radius)
+    if table.modes is None:
+        found = modes(body, *places)
+    else:
+        found = FreeFreeWithAttachment(table.modes, *places).modes(body)
+    return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
 
 
 def rigid(table: RigidTable) -> FlexibleBody:

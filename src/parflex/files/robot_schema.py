@@ -71,7 +71,9 @@ class PolygonTable(Table):
     young: Annotated[float, Measure(quantity.PRESSURE)] = Field(description="Young's modulus")
     poisson: Number = Field(description="Poisson's ratio")
     density: Annotated[float, Measure(quantity.DENSITY)]
-    modes: Whole = Field(description="elastic modes to keep; 0 is a rigid plate")
+    modes: Whole | None = Field(
+        None, description="free-free modes, 0 for a rigid plate; by default a basis right for the joints"
+    )
     refine: Whole | None = Field(None, description="halvings of the mesh; by default enough")
     damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
     attachments: list[Corner] | None = Field(None, description="[x, y] of nodes; by default the corners")
@@ -82,7 +84,27 @@ class ModalTable(Table):
     """A platform stored by parflex, with its modes."""
 
     kind: Literal["modal"]
-    file: str = Field(description="NetCDF file, relative to the robot file")
+    file: str = Field(description="modal file, relative to the robot file")
+
+
+class SolidTable(Table):
+    """A solid of one material, from a STEP file or a mesh, whose modes are computed."""
+
+    kind: Literal["solid"]
+    file: str = Field(description="STEP file or mesh, relative to the robot file")
+    unit: str | None = Field(None, description='of the file: "mm", "m", "inch"; STEP files name theirs')
+    size: Length | None = Field(None, description="largest edge of elements; by default enough")
+    young: Annotated[float, Measure(quantity.PRESSURE)] = Field(description="Young's modulus")
+    poisson: Number = Field(description="Poisson's ratio")
+    density: Annotated[float, Measure(quantity.DENSITY)]
+    modes: Whole | None = Field(
+        None, description="free-free modes beside attachment modes; by default as many as are right"
+    )
+    attachments: list[Point] = Field(description="points that legs may hold, patches of the surface")
+    tool: Point | None = Field(None, description="a point where wrenches act")
+    radius: Length | None = Field(None, description="of the patches")
+    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
+    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
 
 
 class RobotTable(Table):
@@ -96,6 +118,6 @@ class RobotTable(Table):
     home: HomeTable = Field(description="the table [home] with position and rotation")
     chain: dict[str, ChainTable] = Field({}, description="chains by name")
     leg: list[LegTable] = Field([], description="legs, one [[leg]] each")
-    platform: RigidTable | PolygonTable | ModalTable = Field(
+    platform: RigidTable | PolygonTable | SolidTable | ModalTable = Field(
         discriminator="kind", description="the table [platform]"
     )
