@@ -26,6 +26,9 @@ def view(
         Path | None,
         typer.Option(help="Write one HTML file that plays offline, instead of opening a browser."),
     ] = None,
+    modes: Annotated[
+        Path | None, typer.Option(help="The modal file of a solid platform: colours by von Mises stress.")
+    ] = None,
     curves: Annotated[bool, typer.Option(help="The figures of the run beside the robot.")] = True,
     browser: Annotated[bool, typer.Option(help="Open the browser.")] = True,
     port: Annotated[int, typer.Option(help="Where to serve the page; 0 is any free port.")] = 0,
@@ -46,13 +49,13 @@ def view(
         from parflex.viewer import view as page
 
         with waiting("writing the page"):
-            written = page(result, curves).save(export)
+            written = page(result, curves, modes).save(export)
         size = written.stat().st_size / 1e6
         console.print(
             f"wrote [bold]{escape(str(written))}[/] ({size:.1f} MB); open it in any browser, offline too"
         )
         return
-    serve(result, curves, browser, port)
+    serve(result, curves, modes, browser, port)
 
 
 def report(
@@ -75,13 +78,13 @@ def report(
     console.print(f"wrote [bold]{escape(str(target))}[/] ({len(text) / 1e6:.1f} MB); it needs nothing else")
 
 
-def serve(result: Path, curves: bool, browser: bool, port: int) -> None:
+def serve(result: Path, curves: bool, modes: Path | None, browser: bool, port: int) -> None:
     """The live page, until Ctrl-C."""
     from parflex.progress import waiting
     from parflex.viewer.server import server_of
 
     with waiting("making the page"):
-        server = server_of(result, port, curves)
+        server = server_of(result, port, curves, modes)
     address = f"http://127.0.0.1:{server.server_port}/"
     console.print(f"the robot is at [bold]{address}[/]; Ctrl-C ends", soft_wrap=True)
     if browser:

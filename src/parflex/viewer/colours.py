@@ -4,7 +4,6 @@ from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
 from parflex.array import Array
 
@@ -49,7 +48,7 @@ class Colouring(NamedTuple):
         }
 
 
-def colourings_of(data: xr.Dataset, shapes: Array, elastic: Array) -> dict[str, Colouring]:
+def colourings_of(shapes: Array, stress: Array | None, elastic: Array) -> dict[str, Colouring]:
     """By deflection where the platform bends, by stress where the result knows it; else plain."""
     if not len(shapes):
         return {"plain": Colouring("", "", 1.0, RISING, False, lambda q: np.zeros((len(q), 1)), 0.0)}
@@ -67,15 +66,14 @@ def colourings_of(data: xr.Dataset, shapes: Array, elastic: Array) -> dict[str, 
             0.0,
         ),
     }
-    if "platform_stress" in data:
-        modal = data["platform_stress"].values
+    if stress is not None:
         found["stress"] = Colouring(
             "von Mises stress",
             "MPa",
             1e-6,
             RISING,
             False,
-            lambda q: von_mises(np.tensordot(q, modal, 1)),
+            lambda q: von_mises(np.tensordot(q, stress, 1)),
             0.0,
         )
     return {name: each._replace(high=each.largest(elastic)) for name, each in found.items()}

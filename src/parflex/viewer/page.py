@@ -19,6 +19,7 @@ from parflex.result import Result
 from parflex.viewer.drawing import drawn
 from parflex.viewer.opening import Opened, judged, opened
 from parflex.viewer.scene import MOST_INSTANTS, Scene, scene_of
+from parflex.viewer.stress import with_stress
 
 SPEEDS = (0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5)
 CANVAS = '<div id="canvasTarget"></div>'  # where K3D draws, in its snapshot and in our page
@@ -46,17 +47,25 @@ class View:
         return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="robot"></iframe>'
 
 
-def view(result: Result | str | os.PathLike[str], curves: bool = True) -> View:
+def view(
+    result: Result | str | os.PathLike[str],
+    curves: bool = True,
+    modes: str | os.PathLike[str] | None = None,
+) -> View:
     """The robot of a result, or of a file that `Result.save` wrote, moving in a page.
 
     The page is one HTML text that needs nothing else; it bends the platform itself, from the mode shapes and
-    the elastic coordinates. `curves` puts the figures of the run beside it. What a file lacks is said in it.
+    the elastic coordinates. `curves` puts the figures of the run beside it; `modes`, the modal
+    file of a platform with elements, lets it be coloured by von Mises stress. What a file lacks
+    is said in it.
 
-    Raises InputError where the file cannot be read or k3d is not installed.
+    Raises InputError where a file cannot be read, modes are of another platform, or k3d is not installed.
     """
-    if isinstance(result, Result):
-        return View(page_of(judged(result.dataset), "", curves))
-    return View(page_of(opened(Path(result)), Path(result).name, curves))
+    found = judged(result.dataset) if isinstance(result, Result) else opened(Path(result))
+    name = "" if isinstance(result, Result) else Path(result).name
+    if modes is not None:
+        found = found._replace(dataset=with_stress(found.dataset, Path(modes)))
+    return View(page_of(found, name, curves))
 
 
 def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "", stamp: str = "") -> str:

@@ -28,6 +28,7 @@ class Platform(NamedTuple):
     shapes: Array
     triangles: Array | None
     size: float  # m
+    stress: Array | None = None  # (N, K, 6) of the modes, Pa per unit of their coordinates
 
 
 class Scene(NamedTuple):
@@ -50,7 +51,7 @@ def scene_of(result: Opened) -> Scene | None:
     legs = legs_of(data)
     elastic = data["elastic"].values if "elastic" in data else np.zeros((data.sizes["time"], 0))
     elastic = elastic[:, : len(body.shapes)]
-    colourings = colourings_of(data, body.shapes, elastic)
+    colourings = colourings_of(body.shapes, body.stress, elastic)
     parts = [*(parts_of(legs) if legs else []), *arrows(data, body.size)]
     arrays = arrays_of(data, body, legs, elastic)
     meta = timing(arrays["time"]) | sizes(data, legs) | modes_of(data, body, colourings)
@@ -88,9 +89,11 @@ def platform_of(data: xr.Dataset) -> Platform:
     shapes = data["platform_shape"].values if "platform_shape" in data else np.zeros((0, len(nodes), 3))
     if "platform_triangle" not in data:
         return Platform(nodes, shapes, None, size_of(nodes))
+    stress = data["platform_stress"].values if "platform_stress" in data else None
     seen, triangles = np.unique(data["platform_triangle"].values, return_inverse=True)
     triangles = facing_up(nodes[seen], triangles.reshape(-1, 3))
-    return Platform(nodes[seen], shapes[:, seen], triangles, size_of(nodes))
+    stress = None if stress is None else stress[:, seen]
+    return Platform(nodes[seen], shapes[:, seen], triangles, size_of(nodes), stress)
 
 
 def size_of(nodes: Array) -> float:
@@ -148,8 +151,8 @@ def arrays_of(data: xr.Dataset, body: Platform, legs: Legs | None, elastic: Arra
     else:
         arrays.pop("leg_path", None)
         arrays.pop("leg_axis", None)
-    if "platform_stress" in data and len(data["platform_stress"]) == len(body.shapes):
-        arrays["stress"] = data["platform_stress"].values
+    if body.stress is not None:
+        arrays["stress"] = body.stress
     return arrays
 
 

@@ -8,6 +8,7 @@ from threading import Lock
 from parflex.errors import InputError
 from parflex.viewer.opening import Opened, opened
 from parflex.viewer.page import page_of
+from parflex.viewer.stress import with_stress
 
 STAMP = "/stamp"
 
@@ -15,8 +16,8 @@ STAMP = "/stamp"
 class LivePage:
     """The page of a file as it is now."""
 
-    def __init__(self, path: Path, curves: bool) -> None:
-        self._path, self._curves = path, curves
+    def __init__(self, path: Path, curves: bool, modes: Path | None) -> None:
+        self._path, self._curves, self._modes = path, curves, modes
         self._made: tuple[str, str] | None = None  # of which time stamp, and its text
         self._lock = Lock()
         self.text()
@@ -42,6 +43,8 @@ class LivePage:
     def _page(self, stamp: str) -> str:
         try:
             result = opened(self._path)
+            if self._modes is not None:
+                result = result._replace(dataset=with_stress(result.dataset, self._modes))
         except InputError as error:
             if self._made is None:
                 raise
@@ -49,12 +52,14 @@ class LivePage:
         return page_of(result, self._path.name, self._curves, live=STAMP, stamp=stamp)
 
 
-def server_of(path: Path, port: int = 0, curves: bool = True) -> ThreadingHTTPServer:
+def server_of(
+    path: Path, port: int = 0, curves: bool = True, modes: Path | None = None
+) -> ThreadingHTTPServer:
     """A server for the page of a file, on this machine alone; port 0 is any free one.
 
     Raises InputError where the file cannot be read or the port is taken.
     """
-    page = LivePage(path, curves)
+    page = LivePage(path, curves, modes)
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
