@@ -24,7 +24,7 @@ def on_files(files: Any, config: Any) -> Any:
     for page in list(files.documentation_pages()):
         text = Path(page.abs_src_path).read_text(encoding="utf-8")
         for path, content in made_by(page.src_uri, SNIPPET.findall(text)).items():
-            files.append(File.generated(config, f"made/{path}", content=content))
+            files.append(File.generated(config, f"made/{Path(page.src_uri).stem}/{path}", content=content))
     return files
 
 
