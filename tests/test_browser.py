@@ -223,16 +223,18 @@ def test_playing_goes_on_and_pausing_stops(page):
 
 
 def test_first_picture_and_frames_a_second(open_page, exported):
-    """Asked of an idle machine: 3 s and 20 a second; this machine is shared, so that a third is a failure."""
+    """Within 3 s and 20 a second at 1280 × 720 under software rendering; a machine with more to do than it
+    has processors gives this browser its share of them only, and so much less is asked of it."""
+    share = max(1.0, os.getloadavg()[0] / os.cpu_count())
     page = open_page(exported.as_uri()).ready()
     first = page.tell("parflex.state.firstPicture") / 1e3
     page.page.wait_for_timeout(1000)
     frames, start = page.tell("parflex.state.frames"), time.perf_counter()
     page.page.wait_for_timeout(3000)
     rate = (page.tell("parflex.state.frames") - frames) / (time.perf_counter() - start)
-    print(f"first picture after {first:.2f} s, {rate:.1f} frames a second")
-    assert first < 9
-    assert rate > 7
+    print(f"first picture after {first:.2f} s, {rate:.1f} frames a second, load {share:.1f} per processor")
+    assert first <= 3 * share
+    assert rate >= 20 / share
 
 
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080), (600, 900)])
