@@ -1,4 +1,4 @@
-"""What the documentation is built from beside its pages: their snippets run, tables come from code and tests."""
+"""What the documentation is built from beside its pages: snippets run, tables come from code and tests."""
 
 import json
 import os
@@ -43,10 +43,12 @@ def made_by(name: str, snippets: list[tuple[str, str]]) -> dict[str, bytes]:
 
 def run(name: str, language: str, code: str, folder: Path) -> None:
     """Run a page's code where its commands are found; an error ends the build."""
-    command = [sys.executable, "-c", code] if language == "python" else ["bash", "-euo", "pipefail", "-c", code]
+    shell = {"python": [sys.executable], "sh": ["bash", "-euo", "pipefail"]}[language]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
     environment = os.environ | {"MPLBACKEND": "Agg", "PATH": path}
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, env=environment, timeout=600)
+    done = subprocess.run(
+        [*shell, "-c", code], cwd=folder, capture_output=True, text=True, env=environment, timeout=600
+    )
     if done.returncode:
         raise PluginError(f"a {language} snippet of docs/{name} fails:\n{done.stdout}{done.stderr}")
 
@@ -69,7 +71,8 @@ def equations() -> str:
                 where = f"{path.relative_to(ROOT / 'src' / 'parflex')}:{number}"
                 rows.append((found[2].strip(), where, found[1].strip()))
     rows.sort(key=lambda row: (int(re.search(r"\d+", row[0])[0]), row[1]))  # type: ignore[index]
-    return table(("printed", "code", "where"), [(tag, f"`{code}`" if code else "", at) for tag, at, code in rows])
+    cells = [(tag, f"`{code}`" if code else "", at) for tag, at, code in rows]
+    return table(("printed", "code", "where"), cells)
 
 
 def verification() -> str:
@@ -82,14 +85,19 @@ def verification() -> str:
     parts = []
     for file, rows in by_file.items():
         lines = [
-            (" ".join(row["what"].split()), f"{row['bound']:.1e}", f"{row['measured']:.1e}", str(row["cases"]))
+            (in_a_line(row["what"]), f"{row['bound']:.1e}", f"{row['measured']:.1e}", str(row["cases"]))
             for row in rows
         ]
-        subject = " ".join(rows[0]["subject"].split()).rstrip(".")
+        subject = in_a_line(rows[0]["subject"]).rstrip(".")
         heads = ("what, against what", "bound", "measured", "cases")
         parts.append(f"### {subject}\n\n`tests/{file}`\n\n{table(heads, lines)}")
     count = sum(len(rows) for rows in by_file.values())
     return f"{count} tests, the worst case of each.\n\n" + "\n\n".join(parts)
+
+
+def in_a_line(words: str) -> str:
+    """Without the breaks of a docstring."""
+    return " ".join(words.split())
 
 
 def reference() -> str:

@@ -315,3 +315,48 @@ def test_what_is_missing_is_said_and_the_rest_is_shown(open_page, run, tmp_path,
     assert page.page.locator(".curve").count() >= 4
     page.keep(f"bad_{name.replace(' ', '_')}")
     assert page.complaints == []
+
+
+def test_notebook_frame_plays(open_page, run, tmp_path):
+    """What a notebook shows is a frame; in it the robot moves."""
+    (tmp_path / "cell.html").write_text(pf.view(run, curves=False)._repr_html_())
+    page = open_page((tmp_path / "cell.html").as_uri())
+    frame = page.page.frames[1]
+    frame.wait_for_function("window.parflex?.state.firstPicture", timeout=60_000)
+    before = frame.evaluate("parflex.state.time")
+    frame.wait_for_function("(before) => parflex.state.time > before + 0.1", arg=before, timeout=30_000)
+    assert page.complaints == []
+
+
+def test_stress_in_the_page_is_that_of_the_recovery(open_page, tmp_path):
+    """A solid plate in its first mode: the page's von Mises stress at every node, to single precision."""
+    import solid_plates
+    import xarray as xr
+
+    modes = solid_plates.modes()
+    q = np.zeros((2, len(modes.frequencies)))
+    q[1, 0] = 1e-3
+    data = xr.Dataset(
+        {
+            "position": (("time", "axis"), np.zeros((2, 3))),
+            "rotation": (("time", "axis", "platform_axis"), np.stack([np.eye(3)] * 2)),
+            "elastic": (("time", "mode"), q),
+            "platform_node": (("node", "axis"), modes.nodes),
+            "platform_shape": (("mode", "node", "axis"), modes.shapes),
+            "platform_triangle": (("triangle", "corner"), modes.triangles),
+        },
+        {"time": [0.0, 1.0]},
+        {"format": "parflex-result-1"},
+    )
+    data.to_netcdf(tmp_path / "result.nc", engine="h5netcdf")
+    pf.fe.write_modes(modes, tmp_path / "modes.nc", attachments=solid_plates.JOINTS, origin=(0, 0, 0))
+    made = pf.view(tmp_path / "result.nc", modes=tmp_path / "modes.nc").save(tmp_path / "page.html")
+    page = open_page(made.as_uri()).ready()
+    page.page.locator("#colouring").select_option("stress")
+    colour = shown(page, 1.0)["colour"]
+    expected = pf.fe.recover(modes, q[1]).mises[np.unique(modes.triangles)]
+    found = colour.reshape(len(expected), -1)[:, 0]
+    assert np.max(np.abs(found - expected / np.max(expected))) <= 1e-5
+    assert "von Mises stress (MPa)" in page.page.locator("#legend").inner_text()
+    page.keep("stress_1280")
+    assert page.complaints == []
