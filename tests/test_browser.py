@@ -330,8 +330,9 @@ def test_notebook_frame_plays(open_page, run, tmp_path):
 
 def test_stress_in_the_page_is_that_of_the_recovery(open_page, tmp_path):
     """A solid plate in its first mode: the page's von Mises stress at every node, to single precision."""
-    import solid_plates
     import xarray as xr
+
+    import solid_plates
 
     modes = solid_plates.modes()
     q = np.zeros((2, len(modes.frequencies)))
