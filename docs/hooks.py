@@ -16,6 +16,7 @@ ROOT = Path(__file__).parent.parent
 MEASURED = ROOT / "build" / "verification.json"
 SNIPPET = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 EQUATION = re.compile(r"^(.*?)#\s*((?:Eqs?\.)\s*[\d–,() a-z]+)")
+ELSEWHERE = ("importing.md", "platforms.md")  # their snippets take files that readers bring
 MADE = (".png", ".svg", ".html")
 
 
@@ -30,7 +31,7 @@ def on_files(files: Any, config: Any) -> Any:
 
 def made_by(name: str, snippets: list[tuple[str, str]]) -> dict[str, bytes]:
     """The files that the snippets of a page leave, run in order, each language in one process."""
-    if not snippets:
+    if not snippets or name in ELSEWHERE:
         return {}
     with tempfile.TemporaryDirectory() as folder:
         for language in ("sh", "python"):

@@ -41,6 +41,12 @@ def random_forces(model: pf.Model, count: int, seed: int) -> np.ndarray:
     return static + np.random.default_rng(seed).uniform(-300, 300, (count, model.robot.n_forces))
 
 
+def actuated(robot: pf.Robot, q) -> np.ndarray:
+    """(…, m) positions of the actuated joints, of joints (…, n_i) by leg."""
+    driven = [bool(joint.mu) for leg in robot.legs for joint in leg.joints]
+    return np.concatenate(q, axis=-1)[..., driven]
+
+
 @pytest.fixture(scope="session")
 def model_of() -> Callable[..., pf.Model]:
     """Models of the paper's robot, built once per session."""

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -10,10 +11,11 @@ import cases
 import oracle
 import parflex as pf
 from cases import KINDS, NAMES
-from conftest import relative
+from conftest import actuated, relative
 from parflex import chain
 from parflex.energy import energies
 from parflex.platform import platform_terms
+from parflex.sketch import sketch
 from rewriting import REWRITINGS, one_tree, reframed
 from sample import FIELDS, Sample, with_joints
 
@@ -140,7 +142,7 @@ def test_platform_model(name, kind):
 def test_leg_models(which):
     """A, c; J, J̇q̇ and the tips, turned into the world."""
     sample, stored = cases.case(*which), cases.arrays(*which)
-    system = model(*which, "numpy")._system(sample.states)
+    system = model(*which, "numpy").system(sample.states)
     R = np.asarray(sample.platform.rotation)[:, None]
     errors = {}
     for number, leg in enumerate(system.legs):
@@ -167,7 +169,7 @@ def test_leg_models(which):
 
 def test_energies(which):
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
-    system = numpy_model._system(cases.case(*which).states)
+    system = numpy_model.system(cases.case(*which).states)
     kinetic, *potential = energies(numpy_model.robot, system)
     errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
     if "potential_energy" in stored:
@@ -177,7 +179,10 @@ def test_energies(which):
 
 def test_joints(which):
     """Joint positions and rates from the platform, with the stored joints as a start and without any."""
-    sample, numpy_model = cases.case(*which), model(*which, "numpy")
+    check_joints(cases.case(*which), model(*which, "numpy"))
+
+
+def check_joints(sample, numpy_model):
     for state in (sample.states, sample.platform):
         legs = numpy_model.legs(state)
         check({f"q[{i}]": relative(q, sample.q[i]) for i, q in enumerate(legs.q)}, LIBRARY)
@@ -334,10 +339,7 @@ def test_carried_joints(which, rewriting):
     """Joint positions, rates and accelerations; positions start from the postures."""
     sample = carried(*which, rewriting)
     numpy_model = carried_model(*which, rewriting, "numpy")
-    for state in (sample.states, sample.platform):
-        legs = numpy_model.legs(state)
-        check({f"q[{i}]": relative(q, sample.q[i]) for i, q in enumerate(legs.q)}, LIBRARY)
-        check({f"qd[{i}]": relative(qd, sample.qd[i]) for i, qd in enumerate(legs.qd)}, LIBRARY)
+    check_joints(sample, numpy_model)
     qdd = numpy_model.joint_accelerations(sample.states, sample.forces)
     check({f"qdd[{i}]": relative(a, sample.direct.qdd[i]) for i, a in enumerate(qdd)}, LIBRARY)
 
@@ -386,13 +388,35 @@ def test_joints_of_a_state_name_the_branch(name):
     flat, out = bare.compiled(sample.output), np.zeros(6)
     flat.direct(flat.pack(states[1]), sample.forces[1].copy(), out)
     assert relative(out, stored["direct_platform"][1]) <= LIBRARY
-    driven = [joint.mu for leg in sample.legs for joint in leg.joints]
-    wanted = np.concatenate([q[2] for q in sample.q])[np.flatnonzero(driven)]
-    near = bare.pose(wanted, states[2])
+    near = bare.pose(actuated(sample.robot, [q[2] for q in sample.q]), states[2])
     assert relative(near.position, states[2].position) <= LIBRARY
+    lines = sketch(bare, states[3]).lines
+    assert relative(lines, sketch(model(name, "rigid", "numpy"), states[3]).lines) <= LIBRARY
     run = pf.simulate(bare, sample.forces[0], states[0], [0, 1e-3])
     again = pf.simulate(model(name, "rigid", "numpy"), sample.forces[0], states[0], [0, 1e-3])
     assert relative(run.dataset.position, again.dataset.position) <= LIBRARY
     assert (
         relative(bare.direct(run.state(1), sample.forces[0]).platform, run.dataset.acceleration[1]) <= LIBRARY
     )
+
+
+def test_flat_models_go_from_branch_to_branch():
+    """The stored elbows, those that legs without a posture have, and some of each: against the stored
+    answer, and against models whose legs have them as postures."""
+    sample, stored = cases.case("rus6", "rigid"), cases.arrays("rus6", "rigid")
+    legs = tuple(replace(leg, posture=None) for leg in sample.robot.legs)
+    bare, forces = pf.Model(replace(sample.robot, legs=legs), "numpy"), sample.forces[0].copy()
+    state = replace(sample.states[0], joint_rates=None)
+    own = bare.legs(replace(state, joints=None)).q
+    assert all(relative(a, b) > 0.1 for a, b in zip(own, state.joints, strict=True))
+    elbows = {"stored": state.joints, "own": own, "one": (state.joints[0], *own[1:])}
+    wanted = {"stored": stored["direct_platform"][0]}
+    for which in ("own", "one"):
+        postures = tuple(replace(leg, posture=q) for leg, q in zip(legs, elbows[which], strict=True))
+        stated = pf.Model(replace(sample.robot, legs=postures), "numpy")
+        wanted[which] = stated.direct(replace(state, joints=None), forces).platform
+    assert min(relative(a, b) for a, b in combinations(wanted.values(), 2)) > 1e-3
+    flat, out = bare.compiled(sample.output), np.zeros(6)
+    for which in ("stored", "own", "stored", "one", "own", "one", "stored"):
+        flat.direct(flat.pack(replace(state, joints=elbows[which])), forces, out)
+        assert relative(out, wanted[which]) <= LIBRARY

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex import cli
+from parflex import cli, plot
 
 
 @pytest.fixture
@@ -62,6 +62,26 @@ def test_modes_of_the_paper_are_compared(parflex):
     assert "Table 2" in out
     assert "-8.84 %" in out
     assert "cut a degenerate pair" in out
+
+
+def test_modes_of_a_step_file(parflex, tmp_path):
+    """Report, picture, and a modal file that holds what the report says."""
+    occ = pytest.importorskip("netgen.occ")
+    occ.Box((0, 0, 0), (400, 300, 20)).WriteStep("plate.step")
+    joints = [word for at in ("0.04,0.04,0", "0.36,0.04,0", "0.2,0.26,0") for word in ("-a", at)]
+    code, out, err = parflex("modes", "plate.step", *joints, "--tool", "0.2,0.15,0.02", "--radius", "0.04",
+                             "--size", "0.08", "--young", "70e9", "--density", "2700", "--damping",
+                             "0.01")  # fmt: skip
+    assert code == 0, err
+    words = " ".join(out.split())
+    assert "mass │ 6.48 kg" in words
+    assert "rigid modes │ 6, their stiffness" in words
+    assert "static compliance │ right to" in words
+    found = pf.fe.read_modes(tmp_path / "parflex-modes" / "modes.h5")
+    assert f"{found.frequencies[0]:.3f}" in words
+    assert np.all(found.frequency_error[:3] < 0.05)
+    assert found.corners == tuple(range(found.tool - 3, found.tool))
+    assert (tmp_path / "parflex-modes" / "modes.png").stat().st_size > 10_000
 
 
 def test_doctor_passes(parflex):
@@ -241,3 +261,27 @@ def test_what_cannot_be_shown_writes_nothing(parflex, tmp_path):
         assert "is damaged or no NetCDF-4 file" in err
     assert parflex("view", "result.nc", "--port", "99999")[0] == 2
     assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+
+
+def test_names_with_brackets_are_told_as_they_are(parflex, tmp_path):
+    _, out, _ = parflex("init", "[bold]mine.toml")
+    assert "parflex simulate [bold]mine.toml --trajectory [bold]mine.trajectory.toml" in out
+    for words in (("check", "[bold]mine.toml"), ("modes", "--modes", "1", "--refine", "1")):
+        code, out, err = parflex(*words, "--out", "[red]seen")
+        assert code == 0, err
+        assert "drawn in [red]seen/" in out
+    seen = {path.name for path in (tmp_path / "[red]seen").iterdir()}
+    assert seen == {"[bold]mine.png", "modes.png", "modes.h5"}
+
+
+def test_pictures_replace_older_ones_or_leave_them(tmp_path):
+    """A folder in the place of a picture: nothing is written beside it."""
+    drawn = {name: plot.figure(1.0, 1.0) for name in ("first", "second")}
+    assert plot.save(drawn, tmp_path / "new", "svg") == [tmp_path / "new" / f"{n}.svg" for n in drawn]
+    before = (tmp_path / "new" / "first.svg").read_text()
+    assert before.startswith("<?xml")
+    (tmp_path / "new" / "second.png").mkdir()
+    with pytest.raises(pf.InputError, match=r"second.png was not written"):
+        plot.save(drawn, tmp_path / "new")
+    left = {path.name for path in (tmp_path / "new").iterdir()}
+    assert left == {"first.svg", "second.svg", "first.png", "second.png"}

@@ -13,7 +13,7 @@ import cases
 import oracle
 import parflex as pf
 import zoo
-from conftest import random_states, relative
+from conftest import actuated, random_states, relative
 from rewriting import one_tree, reframed
 from sample import FIELDS
 
@@ -335,17 +335,9 @@ def test_ctrl_c_keeps_what_a_constrained_robot_reached(rewriting):
 # --- forward geometry ---
 
 
-def actuated(model, state):
+def lengths_of(model, state):
     """(m,) positions of the actuated joints."""
-    q = model.legs(state).q
-    return np.array(
-        [
-            q_i[j]
-            for leg, q_i in zip(model.robot.legs, q, strict=True)
-            for j, joint in enumerate(leg.joints)
-            if joint.mu
-        ]
-    )
+    return actuated(model.robot, model.legs(state).q)
 
 
 def apart(a, b):
@@ -362,7 +354,7 @@ def test_forward_after_inverse_geometry(name, rewriting):
         for s in range(len(sample.forces)):
             state = sample.states[s]
             guess = replace(model.robot.home, elastic=state.elastic)
-            found = model.pose(actuated(model, state), guess)
+            found = model.pose(lengths_of(model, state), guess)
             assert apart(found, state) <= POSED
             assert np.all(found.twist == 0)
 
@@ -372,7 +364,7 @@ def test_forward_geometry_of_the_papers_robot():
     model = pf.Model(pf.robots.gough_stewart(0), "numpy")
     states = random_states(model.robot, 50, 0)
     for s in range(50):
-        assert apart(model.pose(actuated(model, states[s])), states[s]) <= POSED
+        assert apart(model.pose(lengths_of(model, states[s])), states[s]) <= POSED
 
 
 @pytest.mark.parametrize("name", cases.NAMES)
@@ -380,7 +372,7 @@ def test_forward_geometry_with_sag(name):
     """The joints of the static equilibrium lead back to it, its bend included, from the undeformed home."""
     model = model_of(name, "flex")
     state, _ = model.static(*model.robot.home_pose)
-    found = model.pose(actuated(model, state), sag=True)
+    found = model.pose(lengths_of(model, state), sag=True)
     assert apart(found, state) <= 1e-9
     size = np.max(np.abs(state.elastic))
     assert relative(found.elastic / size, state.elastic / size) <= 1e-8
@@ -392,13 +384,13 @@ def test_all_poses_of_a_3rps(rewriting):
     a turn leads from one to another. Legs that carry their joints know more poses than 80 starts can find."""
     sample, model = sample_of("rps3", rewriting=rewriting), model_of("rps3", rewriting=rewriting)
     home = model.robot.home
-    lengths = actuated(model, home)
+    lengths = lengths_of(model, home)
     found = model.poses(lengths, starts=80)
     assert apart(found[0], home) <= POSED
     assert len(found) >= 5
     for state in found:
         q = model.legs(state).q
-        assert np.max(np.abs(actuated(model, state) - lengths)) <= POSED
+        assert np.max(np.abs(lengths_of(model, state) - lengths)) <= POSED
         assert sample.open(platform_of(state), q)[0] <= CLOSED
     for i, a in enumerate(found):
         for b in found[:i]:

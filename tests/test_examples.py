@@ -34,6 +34,11 @@ def test_there_are_examples():
     assert len(EXAMPLES) >= 3
 
 
+def test_snippet_on_parameters(tmp_path):
+    (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs/parameters.md").read_text(), re.DOTALL)
+    run(snippet + "assert acc.platform.shape == (10_000, 6) and not run.partial", tmp_path)
+
+
 def test_snippet_of_the_readme(tmp_path):
     (snippet,) = re.findall(r"```python\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL)
     assert len(snippet.strip().splitlines()) <= 15

@@ -15,6 +15,7 @@ import cases
 import parflex as pf
 import rewriting
 from conftest import relative
+from parflex import cli
 from parflex.compiled import kernels
 from parflex.compiled.c.cases import magnitudes, sag
 from parflex.compiled.c.interface import contact_order, health_order, routines
@@ -283,8 +284,6 @@ def test_complaints_come_before_anything_is_written(tmp_path):
 
 
 def test_command(monkeypatch, capsys, tmp_path):
-    from parflex import cli
-
     monkeypatch.chdir(tmp_path)
     ROBOTS["delta"][0]().to_file("delta.toml")
 

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 import oracle
 import parflex as pf
-from conftest import relative
+from conftest import actuated, relative
 from parflex.cli import app
 from parflex.closure import posed
 from parflex.robots import ALL_ROBOTS
@@ -173,12 +173,6 @@ def test_oracle_agrees(name, flexible):
         assert relative(found.contact_forces[s], wanted[2]) <= INVERSE
 
 
-def actuated(m: pf.Model, at: pf.State) -> np.ndarray:
-    """Positions (…, m) of the actuated joints."""
-    every_joint = np.concatenate(m.legs(at).q, axis=-1)
-    return every_joint[..., [bool(joint.mu) for leg in m.robot.legs for joint in leg.joints]]
-
-
 @robots
 def test_forward_geometry_after_inverse_geometry(name):
     """From home to all poses in one batch, and to some by the door."""
@@ -187,7 +181,7 @@ def test_forward_geometry_after_inverse_geometry(name):
     turn = Rotation.from_rotvec(rng.uniform(-0.08, 0.08, (POSES, 3))).as_matrix()
     place = home.position + rng.uniform(-0.04, 0.04, (POSES, 3))
     wanted = m.project(pf.State(place, turn @ home.rotation))
-    joints = actuated(m, wanted)
+    joints = actuated(m.robot, m.legs(wanted).q)
     start = np.broadcast_to(m.flat(home), (POSES, layout.size))
     found = unpack(posed(m.robot, start, joints)[0], layout)
     assert np.max(np.abs(found.position - wanted.position)) <= GEOMETRY

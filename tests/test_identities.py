@@ -1,5 +1,7 @@
 """Identities that hold at any state: two routes through the mechanics, one answer."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -221,8 +223,6 @@ def test_static_equilibrium_is_at_rest(model_of):
 
 def test_slider_measured_from_elsewhere_is_the_same_leg(model_of):
     """The joint variable is added to r: with r = 1.05 m, q_3 is shorter by that and nothing else."""
-    from dataclasses import replace
-
     model = model_of(1)
     legs = [
         replace(leg, joints=(*leg.joints[:2], replace(leg.joints[2], r=1.05))) for leg in model.robot.legs
@@ -235,8 +235,6 @@ def test_slider_measured_from_elsewhere_is_the_same_leg(model_of):
 
 def test_leg_without_an_actuator(model_of):
     """Seven legs, one a passive strut: six forces, and the inverse model gives them back."""
-    from dataclasses import replace
-
     robot = model_of(1).robot
     strut = replace(
         robot.legs[0],

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation
 import cases
 import parflex as pf
 import zoo
-from parflex.robots.gough_stewart import links
 from rewriting import reframed
 
 UPRIGHT = np.eye(3)
@@ -159,27 +158,11 @@ def test_a_delta_carries_moments():
 # --- parallel singularities ---
 
 
-def six_ups(base, platform, height, half_base, half_top, yaw):
-    """A 6-UPS on circles of two radii, its points in pairs at 120°, turned by a yaw."""
-    thirds = np.repeat(np.radians([0.0, 120.0, 240.0]), 2)
-    signs = np.tile([-1.0, 1.0], 3)
-
-    def ring(radius, half):
-        angle = thirds + signs * half
-        return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
-
-    feet, points = ring(base, half_base), ring(platform, half_top)
-    body = pf.FlexibleBody.rigid(50.0, (0, 0, 0), np.diag([3.0, 3.0, 5.0]), points)
-    legs = tuple(pf.Leg(UPRIGHT, foot, links(), (pf.Tip(3, attachment=i),)) for i, foot in enumerate(feet))
-    turn = Rotation.from_euler("z", yaw, degrees=True).as_matrix()
-    return pf.Model(pf.Robot(legs, body, home_pose=((0, 0, height), turn)), "numpy")
-
-
 def test_fichters_singularity():
     """At 90° of yaw the platform is free along z and about it at once: with feet at ± β, points at ± α and
     δ = α − β, leg i stretches at h v + ω R r sin(90° ± δ), which v = −ω R r cos δ / h makes zero."""
     R, r, h, beta, alpha = 0.9, 0.5, 0.8, 0.2, 0.7
-    model = six_ups(R, r, h, beta, alpha, 90.0)
+    model = zoo.six_ups(R, r, h, beta, alpha, 90.0)
     home = model.robot.home
     found = model.mobility(home)
     assert counts(found) == (6, 0, 6, 18, 18)
@@ -193,7 +176,7 @@ def test_fichters_singularity():
     assert np.allclose(printed / printed[5], twist, rtol=0, atol=2e-3)
     assert "Parallel singularity" in str(found)
     for yaw in (0.0, 60.0, 89.9):
-        assert len(six_ups(R, r, h, beta, alpha, yaw).mobility(home_at(h, yaw)).parallel) == 0
+        assert len(zoo.six_ups(R, r, h, beta, alpha, yaw).mobility(home_at(h, yaw)).parallel) == 0
 
 
 def home_at(height, yaw):
@@ -203,7 +186,7 @@ def home_at(height, yaw):
 def test_freed_twists_are_motions():
     """A ring on a similar ring is free at every pose, by one twist at least: along it the legs' lengths
     change with the square of the step."""
-    model = six_ups(0.9, 0.5, 0.8, np.pi / 6, np.pi / 6, 20.0)
+    model = zoo.six_ups(0.9, 0.5, 0.8, np.pi / 6, np.pi / 6, 20.0)
     tilted = pf.State((0.05, -0.02, 0.8), Rotation.from_rotvec([0.1, 0.2, 0.3]).as_matrix())
     for state in (model.robot.home, tilted):
         twists = model.mobility(state).parallel
@@ -222,7 +205,7 @@ def change_of_lengths(model, state, step):
 
 def test_singular_pose_in_a_batch_is_named():
     """Index and leg of a (2, 3) batch: parallel for the inverse model; the direct one has an answer."""
-    model = six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
+    model = zoo.six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
     yaws = np.array([[0.0, 20.0, 40.0], [60.0, 90.0, 70.0]])
     turns = Rotation.from_euler("z", yaws.reshape(-1, 1), degrees=True).as_matrix()
     states = pf.State((0, 0, 0.8), turns.reshape(2, 3, 3, 3))

@@ -15,7 +15,8 @@ import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
 from parflex.compiled import cache, ir, kernels, native
-from parflex.compiled.vm import VmBackend, VmFunction, trace
+from parflex.compiled.loops import program
+from parflex.compiled.vm import VmBackend, VmFunction
 
 SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
 SOLVED = 1e-12  # of the inverse model, whose systems are less well conditioned
@@ -76,7 +77,7 @@ def test_code_is_kept(model_of, own_cache, monkeypatch):
     x = kernel.probe(1)[0]
     expected = native.NativeFunction(kernel)(x)
     assert len(list(own_cache.iterdir())) == 1
-    monkeypatch.setattr(native, "trace", None)
+    monkeypatch.setattr(native, "program", None)
     alike(native.NativeFunction(kernel)(x), expected, 0.0)
 
 
@@ -108,7 +109,7 @@ def test_code_of_another_robot_is_noticed(model_of, own_cache):
 def test_wrong_code_falls_back(model_of, monkeypatch):
     """A compiler that errs: the virtual machine is used, and said."""
     monkeypatch.setitem(ir.ARITHMETIC, next(iter(ir.ARITHMETIC)), "fsub")
-    with pytest.warns(UserWarning, match="differs from the virtual machine.*is used instead"):
+    with pytest.warns(UserWarning, match="differs from the reference.*is used instead"):
         found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
     assert isinstance(found, VmFunction)
 
@@ -163,7 +164,7 @@ def test_every_operation_has_a_translation():
     """The graphs of all kernels of a robot with carried legs, friction and springs."""
     robot = zoo.odd(0, 3).robot
     for kernel in (kernels.direct(robot), kernels.derivative(robot), kernels.projection(robot)):
-        assert "define void @run" in ir.module(trace(kernel), 2)
+        assert "define void @run" in ir.module(program(kernel), 2, 8)
     assert VmBackend().name == "vm"
 
 
@@ -172,7 +173,7 @@ def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
     """A graph cut into a dozen functions gives what the whole gives."""
     kernel = kernels.direct(model_of(0).robot)
     monkeypatch.setattr(ir, "PART", 400)
-    assert ir.module(trace(kernel), lanes).count("define internal void @part") >= 10
+    assert ir.module(program(kernel), lanes, 8).count("define internal void @part") >= 10
     assert native.code(kernel, lanes).sound
 
 

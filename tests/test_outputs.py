@@ -14,6 +14,8 @@ import oracle
 import parflex as pf
 import zoo
 from conftest import relative
+from parflex import singular
+from rewriting import reframed
 
 LIBRARY = 1e-9  # the accuracy the library promises
 
@@ -253,7 +255,7 @@ def stiff(cloud):
 
 
 def test_computed_torque_beyond_a_dynamic_singularity_warns():
-    """At the start of a run, once; the inverse model warns as well."""
+    """At the start of a run, once; the inverse model warns as well, and names the line that called it."""
     model, sample = model_of("delta3", "flex", "vm"), cases.case("delta3", "flex")
     start, _ = model.static(*model.robot.home_pose)
     way = pf.Trajectory.through(start, [((0, 0, 0.01), (0, 0, 0))], 0.1)
@@ -262,8 +264,9 @@ def test_computed_torque_beyond_a_dynamic_singularity_warns():
         warnings.simplefilter("always")
         pf.simulate(model, control, start, [0.0, 1e-4, 2e-4])
     assert [w.category for w in caught] == [pf.DynamicSingularity]
-    with pytest.warns(pf.DynamicSingularity, match="see model.output_report"):
+    with pytest.warns(pf.DynamicSingularity, match="see model.output_report") as told:
         model.inverse(start, np.zeros(3), sample.output)
+    assert [w.filename for w in told] == [__file__]
 
 
 # --- zero dynamics ---
@@ -335,22 +338,16 @@ def held(sample, at, q, axes, bend, rate):
 def test_report_is_of_the_branch_that_the_joints_name():
     """Legs that carry their joints may stand otherwise than their postures: a crank folded the other way."""
     sample = cases.case("rus6", "rigid")
-    model, folded = pf.Model(carried(sample).robot, "numpy"), other_branch(sample)
+    model, folded = pf.Model(reframed(sample).robot, "numpy"), other_branch(sample)
     report = model.output_report(folded, pf.FrameOutput())
     assert np.allclose(report.state.joints[0], folded.joints[0], atol=1e-9)
     shortest = model.inverse(folded, np.zeros(6)).forces
     assert relative(report.forces, shortest) <= LIBRARY
 
 
-def carried(sample):
-    from rewriting import reframed
-
-    return reframed(sample)
-
-
 def other_branch(sample):
     """The home pose with every leg's joints on the other side, found from postures reflected at the tip."""
-    model = pf.Model(carried(sample).robot, "numpy")
+    model = pf.Model(reframed(sample).robot, "numpy")
     home = model.robot.home
     q = model.legs(home).q
     rng = np.random.default_rng(0)
@@ -367,9 +364,7 @@ def other_branch(sample):
 
 def test_report_of_a_singular_pose_says_so():
     """At Fichter's pose there is nothing to report."""
-    from test_mobility import six_ups
-
-    model = six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
+    model = zoo.six_ups(0.9, 0.5, 0.8, 0.2, 0.7, 90.0)
     with pytest.raises((pf.SingularPose, pf.NotConverged), match="singularity"):
         model.output_report(model.robot.home)
 
@@ -392,3 +387,16 @@ def test_an_output_that_no_actuator_moves():
     model = pf.Model(pf.robots.delta(0), "numpy")
     with pytest.raises(pf.SingularPose, match="no actuator moves the output at all"):
         model.inverse(model.robot.home, np.zeros(3), pf.FrameOutput((3, 4, 5)))
+
+
+@pytest.mark.parametrize("n", [1, 2, 3, 6])
+def test_determinants_bound_the_ratio_of_singular_values(n):
+    """From below, and closely where all of them are alike; of matrices that are nearly singular, too."""
+    rng = np.random.default_rng(n)
+    A = rng.normal(size=(200, n, n))
+    A[:100, 0] *= 10.0 ** rng.uniform(-12, 0, (100, 1))
+    size = np.linalg.norm(A, axis=(-2, -1))
+    bound = singular.smallest_ratio(np.linalg.det(A), size, n)
+    assert np.all(bound <= singular.ratio(A) * (1 + 1e-9) + 1e-15)  # of round-off
+    Q = np.linalg.qr(A[150])[0]
+    assert singular.smallest_ratio(np.linalg.det(Q), np.linalg.norm(Q), n) > 0.25

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 import oracle
 import parflex as pf
@@ -118,8 +119,6 @@ def test_forces_are_those_of_the_oracle(flown):
 
 def test_pictures_are_drawn(flown, tmp_path):
     """All of them, none empty: each has axes with data or a table."""
-    from matplotlib.image import imread
-
     paths = paper.figures(flown, tmp_path)
     names = {path.stem for path in paths}
     assert {"fig4_actuator_forces", "fig5_accelerations", "fig6_origin_deformation"} < names

@@ -7,6 +7,7 @@ import pytest
 
 import parflex as pf
 from parflex.fe.plate import unknowns
+from parflex.platform import body_energies
 from parflex.robots.gough_stewart import PLATE, TABLE_2, corners
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,
@@ -155,8 +156,6 @@ def test_origin_and_attachments_can_be_chosen():
     V, qd = np.array([0.1, 0.2, -0.3, 0.4, -0.5, 0.6]), 0.1 * np.arange(9)
     r = modes.nodes[1]
     moved = np.concatenate([V[:3] + np.cross(V[3:], r), V[3:]])
-    from parflex.platform import body_energies
-
     q = 0.01 * np.arange(9)
     assert abs(body_energies(body, moved, q, qd)[0] - body_energies(central, V, q, qd)[0]) <= 1e-12
 

@@ -8,10 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from conftest import relative
+from parflex.files.body_file import FIELDS, MOMENTS, save_body
+from parflex.files.json_schema import ALL_SCHEMAS
 from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
 from parflex.files.templates import write_templates
@@ -287,7 +290,7 @@ BAD = {
     "two centres": ([("com =", "first_moment = [0, 0, 0], com =")], 11, "gives com and first_moment"),
     "no body's inertia": ([("0.1, 0.1, 0.2", "0.1, 0.1, 0.9")], 30, "is not the inertia of a body"),
     "true for a number": ([("position = [0,", "position = [true,")], 5, "home.position[0] is true"),
-    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 28, 'kind is "soft"; choose "modal"'),
+    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 28, 'kind is "soft"; choose "imported"'),
     "a posture of two": (
         [("tips =", "posture = [0, 1]\ntips =")],
         14,
@@ -345,6 +348,14 @@ def test_platform_files_that_fail(tmp_path):
     (tmp_path / "p.nc").write_bytes(b"no file of ours")
     with pytest.raises(pf.InputError, match=r"robot.toml:29: platform.file is p.nc, which is damaged"):
         pf.load_robot(path)
+    save_body(pf.robots.rps3(2).platform, tmp_path / "whole.nc")
+    whole = xr.load_dataset(tmp_path / "whole.nc", engine="h5netcdf")
+    for name in MOMENTS | FIELDS:
+        whole.drop_vars(name).to_netcdf(tmp_path / "p.nc", engine="h5netcdf")
+        optional = name in ("rotation_shapes", "triangles")
+        words = "was altered" if optional else f"lacks {name};"
+        with pytest.raises(pf.InputError, match=f"robot.toml:29: platform.file is p.nc, which {words}"):
+            pf.load_robot(path)
 
 
 def test_expected_mobility(tmp_path):
@@ -407,16 +418,12 @@ def test_every_number_of_a_joint_has_a_field():
 
 @pytest.mark.parametrize("name", ["robot", "trajectory"])
 def test_schemas_of_the_documentation_are_up_to_date(name):
-    from parflex.files.json_schema import ALL_SCHEMAS
-
     stored = Path(__file__).parent.parent / "docs" / f"{name}.schema.json"
     assert json.loads(stored.read_text(encoding="utf-8")) == ALL_SCHEMAS[name]()
 
 
 @pytest.mark.parametrize("name", ["robot", "trajectory"])
 def test_every_field_is_described(name):
-    from parflex.files.json_schema import ALL_SCHEMAS
-
     schema = ALL_SCHEMAS[name]()
     page = (Path(__file__).parent.parent / "docs" / "robot-files.md").read_text(encoding="utf-8")
     for table in (schema, *schema["$defs"].values()):

@@ -9,9 +9,11 @@ import netCDF4
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from parflex.spatial import quaternion_rate
 from parflex.state import Layout, coordinates, pack
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
@@ -53,10 +55,6 @@ def test_controllers_of_all_kinds_agree(model, held):
 
 def test_tighter_tolerance_changes_little(model):
     """Two tolerances, and an independent integrator (LSODA on the flat model) agree."""
-    from scipy.integrate import solve_ivp
-
-    from parflex.spatial import quaternion_rate
-
     _, forces = model.static(*model.robot.home_pose)
     push, home, c = 1.05 * forces, model.robot.home, model.compiled()
     N, x, out = 3, np.zeros(19), np.zeros(9)
@@ -204,6 +202,20 @@ def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of):
     assert run.partial
     assert "interrupted" in run.stopped
     assert 1 < run.dataset.sizes["time"] < len(times)
+
+
+@pytest.mark.parametrize("method", ["RK45", "Radau"])
+def test_methods_agree(model, method):
+    """With the eighth-order one, within what their tolerances promise."""
+    _, forces = model.static(*model.robot.home_pose)
+    runs = [
+        pf.simulate(model, 1.02 * forces, model.robot.home, TIMES, rtol=1e-9, atol=1e-11, method=name).dataset
+        for name in ("DOP853", method)
+    ]
+    assert runs[1].attrs["integrator"] == method
+    assert np.max(np.abs(runs[1].position - runs[0].position)) <= 1e-7
+    with pytest.raises(pf.InputError, match="method is 'Euler'"):
+        pf.simulate(model, forces, model.robot.home, TIMES, method="Euler")
 
 
 @pytest.mark.parametrize("kind", ["forces", "joint controller", "computed torque"])

@@ -182,6 +182,25 @@ def test_step_file_in_any_unit(tmp_path):
         file.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", name))
         mesh = pf.fe.step_mesh(file, size=size / 4, unit=unit)
         assert np.allclose(np.ptp(mesh.nodes, axis=0), [size, 0.75 * size, 0.05 * size])
+    file.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+    with pytest.raises(pf.InputError, match="400 m across and weighs .* is its unit of length right"):
+        pf.fe.solid_body(pf.fe.step_mesh(file, size=100.0), STEEL)
+
+
+def test_step_file_of_several_solids(tmp_path):
+    """Solids that touch are parts of one body, each with its material; those that do not are refused."""
+    occ = pytest.importorskip("netgen.occ")
+    file = tmp_path / "two.step"
+    for gap, words in ((0.0, None), (10.0, "2 parts that do not touch")):
+        two = [occ.Box((0, 0, 0), (200, 100, 50)), occ.Box((200 + gap, 0, 0), (400 + gap, 100, 50))]
+        occ.Compound(two).WriteStep(str(file))
+        if words is not None:
+            with pytest.raises(pf.InputError, match=words):
+                pf.fe.step_mesh(file, size=0.08)
+            continue
+        mesh = pf.fe.step_mesh(file, size=0.08)
+        body = pf.fe.solid_body(mesh, [STEEL, pf.fe.Material(7e10, 0.33, 2700.0)])
+        assert np.isclose(body.mass.sum() / 3, 1e-3 * (7850 + 2700))
 
 
 def test_mesh_files_of_both_orders(tmp_path):

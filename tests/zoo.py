@@ -306,3 +306,22 @@ def with_loads(sample: Sample, seed: int = 0) -> Sample:
         for leg in sample.legs
     ]
     return replace(sample, legs=tuple(legs))
+
+
+# --- singular poses ---
+
+
+def six_ups(base, platform, height, half_base, half_top, yaw):
+    """A 6-UPS on circles of two radii, its points in pairs at 120°, turned by a yaw."""
+    thirds = np.repeat(np.radians([0.0, 120.0, 240.0]), 2)
+    signs = np.tile([-1.0, 1.0], 3)
+
+    def ring(radius, half):
+        angle = thirds + signs * half
+        return radius * np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=-1)
+
+    feet, points = ring(base, half_base), ring(platform, half_top)
+    body = pf.FlexibleBody.rigid(50.0, (0, 0, 0), np.diag([3.0, 3.0, 5.0]), points)
+    legs = tuple(pf.Leg(np.eye(3), foot, links(), (pf.Tip(3, attachment=i),)) for i, foot in enumerate(feet))
+    turn = Rotation.from_euler("z", yaw, degrees=True).as_matrix()
+    return pf.Model(pf.Robot(legs, body, home_pose=((0, 0, height), turn)), "numpy")

@@ -1,12 +1,25 @@
 """One question per file; `ALL` is the order in which they are asked, agreement first."""
 
-from benchmarks.questions import agreement, batch, cold_start, models, scaling, simulation
+from benchmarks.questions import (
+    agreement,
+    batch,
+    cold_start,
+    derivatives,
+    designs,
+    models,
+    precision,
+    scaling,
+    simulation,
+)
 
 ALL = {
     "agreement": agreement.ask,
     "models": models.ask,
     "batch": batch.ask,
+    "designs": designs.ask,
+    "derivatives": derivatives.ask,
     "scaling": scaling.ask,
     "simulation": simulation.ask,
+    "precision": precision.ask,
     "cold-start": cold_start.ask,
 }

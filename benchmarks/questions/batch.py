@@ -9,7 +9,7 @@ import parflex as pf
 from benchmarks.report import Section, race
 from benchmarks.rows import direct_rows
 from benchmarks.timing import Time, alternate
-from parflex.compiled.native import lanes
+from parflex.compiled.native import widest
 
 STATES = 4096
 
@@ -17,10 +17,10 @@ STATES = 4096
 def ask() -> Section:
     """The direct model of the paper's robot, per state."""
     section = Section(f"{STATES} states at once: per state", ("direct model", "µs", "quartiles", "ratio"))
-    wide, threads = f"{lanes()} per instruction", f"{os.cpu_count()} threads"
+    wide, threads = f"{widest()} per instruction", f"{os.cpu_count()} threads"
     for modes in (0, 10, 40):
         robot = pf.robots.gough_stewart(modes)
-        many, one = direct_rows(robot, lanes(), STATES), direct_rows(robot, 1, STATES)
+        many, one = direct_rows(robot, widest(), STATES), direct_rows(robot, 1, STATES)
         model = pf.Model(robot, "native")
         state = pf.State(np.tile(robot.home.position, (STATES, 1)), robot.home.rotation)
         forces = np.zeros((STATES, robot.n_forces))

@@ -7,21 +7,22 @@ from benchmarks.report import Section, micro
 from benchmarks.rows import direct_rows
 from benchmarks.timing import alternate
 from parflex.compiled import kernels
-from parflex.compiled.native import lanes
-from parflex.compiled.vm import trace
+from parflex.compiled.loops import program
+from parflex.compiled.native import widest
 from parflex.robot import Robot
+from parflex.robots.delta import delta
 
 ROWS = 1024
 
 
 def ask() -> Section:
     """Operations of the direct model, its time on one thread, and that over what the operations need."""
-    together = f"µs, {lanes()} together"
+    together = f"µs, {widest()} together"
     head = ("robot", "operations", "µs, one alone", "over scalar peak", together, "over vector peak")
     section = Section("Cost against modes and legs: one direct model", head)
-    peaks, best = [Peak(1), Peak(lanes())], {}
+    peaks, best = [Peak(1), Peak(widest())], {}
     for name, robot in robots().items():
-        count, cells = trace(kernels.direct(robot)).n_instructions(), []
+        count, cells = program(kernels.direct(robot)).operations, []
         for peak in peaks:
             model = direct_rows(robot, peak.lanes, ROWS).one_thread()
             times = alternate({"model": model, "peak": peak.run})
@@ -31,7 +32,7 @@ def ask() -> Section:
             best[peak.lanes] = max(best.get(peak.lanes, 0.0), per_second)
         section.add(name, count, *cells)
     section.notes = [
-        f"peak: {best[1] / 1e9:.1f} and {best[lanes()] / 1e9:.1f} · 10⁹ operations per second, measured in "
+        f"peak: {best[1] / 1e9:.1f} and {best[widest()] / 1e9:.1f} · 10⁹ operations per second, measured in "
         "turn with each model: independent fused multiply–adds, of which each counts as two",
         "machine code alone, on a thousand states; a flat call from Python costs a microsecond or two more",
         "random bodies have dense moment tensors, plates sparse ones",
@@ -42,8 +43,13 @@ def ask() -> Section:
 def robots() -> dict[str, Robot]:
     """The paper's plate with more modes, and U-P-S robots with more legs."""
     plates = {f"paper, N = {modes}": pf.robots.gough_stewart(modes) for modes in (0, 10, 40)}
-    return plates | {
-        f"{legs} legs, random body, N = {modes}": zoo.ups(legs, modes).robot
-        for modes in (0, 10)
-        for legs in (6, 12, 24)
-    }
+    others = {"flexible Delta, N = 9": delta(), "6 legs, random body, N = 40": zoo.ups(6, 40).robot}
+    return (
+        plates
+        | others
+        | {
+            f"{legs} legs, random body, N = {modes}": zoo.ups(legs, modes).robot
+            for modes in (0, 10)
+            for legs in (6, 12, 24)
+        }
+    )

@@ -93,10 +93,15 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        return import_module(f"parflex.{name}")
-    if name in _HOME:
-        return getattr(import_module(f"parflex.{_HOME[name]}"), name)
-    raise AttributeError(f"module 'parflex' has no attribute {name!r}", name=name, obj=sys.modules[__name__])
+        found = import_module(f"parflex.{name}")
+    elif name in _HOME:
+        found = getattr(import_module(f"parflex.{_HOME[name]}"), name)
+    else:
+        raise AttributeError(
+            f"module 'parflex' has no attribute {name!r}", name=name, obj=sys.modules[__name__]
+        )
+    globals()[name] = found
+    return found
 
 
 def __dir__() -> list[str]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from parflex import assembly
 from parflex.array import Array
+from parflex.kinematics import unstacked
 from parflex.robot import Robot
 
 
@@ -33,6 +34,32 @@ class Forces(NamedTuple):
     elastic: Array
     platform: Array
     contact_forces: Array
+
+
+class DirectJacobian(NamedTuple):
+    """∂(V̇_p, q̈_e), rows (6 + N), of the direct model.
+
+    state (…, 6 + N, 12 + 2 N + 2 n) by small motions (δp 3 in Σ0, δθ 3, δv_p 3, δω_p 3, δq_e N,
+    δq̇_e N[, δq, δq̇ carried]), δθ being a rotation vector in Σp: R → R exp(δθ̂); forces
+    (…, 6 + N, m) by Γ; load (…, 6 + N, 6 + N) by a generalised force on (Σp, modes); parameters
+    (…, 6 + N, P) by the model's parameters, one after the other.
+    """
+
+    state: Array
+    forces: Array
+    load: Array
+    parameters: Array
+
+
+class InverseJacobian(NamedTuple):
+    """∂Γ, rows (m), of the inverse model.
+
+    state (…, m, 12 + 2 N + 2 n) by small motions as in `DirectJacobian`, target (…, m, m) by the
+    output's acceleration.
+    """
+
+    state: Array
+    target: Array
 
 
 class Reactions(NamedTuple):
@@ -73,7 +100,9 @@ def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, .
 
 def by_attachment(robot: Robot, f: Array) -> Array:
     """Contact forces (…, k, 3) by attachment, zero where no leg holds, from (…, 3 tips)."""
-    by_tip = f.reshape(f.shape[:-1] + (len(robot.tip_attachments), 3))
-    count = len(robot.platform.attachments)
-    chosen = np.arange(count)[:, None] == robot.tip_attachments
-    return np.einsum("at,...tc->...ac", chosen.astype(float), by_tip)
+    return np.matmul(robot.held, unstacked(f))
+
+
+def by_rows(flat: Array, rows: int) -> Array:
+    """A matrix (…, rows, c) that is given by rows, (…, rows c)."""
+    return flat.reshape((*flat.shape[:-1], rows, flat.shape[-1] // rows))

@@ -6,13 +6,15 @@ the difference: LAPACK for floats, unrolled loops for symbols.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextvars import ContextVar
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]  # floats, or an object array of symbols
+DENSE = 2000  # entries of a table from which on a loop over it is shorter than straight-line code
 Given = Any  # a field that takes anything array-like and holds a checked float array
 
 
@@ -97,8 +99,32 @@ def skew(a: Array) -> Array:
 def contract(q: Array, tensor: Array) -> Array:
     """Σ_k q_k tensor[k]: (…, N), (N, *shape) -> (…, *shape)."""
     shape = tensor.shape[1:]
-    flat = np.matmul(q[..., None, :], tensor.reshape(len(tensor), math.prod(shape)))[..., 0, :]
+    table = tensor.reshape(len(tensor), math.prod(shape))
+    used = np.flatnonzero(np.any(table != 0, axis=0))
+    if q.dtype != object or np.count_nonzero(table) < DENSE:
+        flat = np.matmul(q[..., None, :], table)[..., 0, :]
+        return flat.reshape(q.shape[:-1] + shape)
+
+    def weighted(row: Array, q: Array) -> Array:
+        return np.sum(row * q[..., None, :], axis=-1, keepdims=True)
+
+    flat = np.zeros(q.shape[:-1] + table.shape[1:], dtype=object)
+    flat[..., used] = for_each(weighted, [transpose(table[:, used])], [q])[..., 0]
     return flat.reshape(q.shape[:-1] + shape)
+
+
+def for_each(function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array] = ()) -> Array:
+    """function(*rows, *shared) (…, R, m) for rows (…, R, n_i), each of which it treats alike, by itself.
+
+    While symbols are traced whoever is in `looping` may trace it for one row, as the body of a loop.
+    """
+    loop = looping.get()
+    if loop is None or not any(a.dtype == object for a in (*rows, *shared)):
+        return function(*rows, *shared)
+    return loop(function, rows, shared)
+
+
+looping: ContextVar[Callable[..., Array] | None] = ContextVar("looping", default=None)
 
 
 def without_roundoff(values: Array, scale: float | None = None, tolerance: float = 1e-13) -> Array:
@@ -124,8 +150,14 @@ def lapack_solve(a: Array, b: Array) -> Array:
 
 def solve_definite(a: Array, b: Array) -> Array:
     """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c)."""
+    return factored_solve(factored(a), b)
+
+
+def factored(a: Array) -> Array:
+    """What `factored_solve` reads of a symmetric positive definite a: of symbols, a = L D Lᵀ, with L
+    below the diagonal and D on it; of floats a itself, which LAPACK factors."""
     if a.dtype != object:
-        return lapack_solve(a, b)
+        return a
     n = a.shape[-1]
     scaled: dict[tuple[int, int], Array] = {}  # entries of L D
     lower: dict[tuple[int, int], Array] = {}  # entries of L, each divided once
@@ -136,16 +168,25 @@ def solve_definite(a: Array, b: Array) -> Array:
                 entry = entry - lower[i, k] * scaled[j, k]
             scaled[i, j] = entry
             lower[i, j] = entry / scaled[j, j]
+    rows = [[scaled[i, i] if i == j else lower[max(i, j), min(i, j)] for j in range(n)] for i in range(n)]
+    return matrix(rows) if n else a
+
+
+def factored_solve(factor: Array, b: Array) -> Array:
+    """x with a x = b, for the factor of a: (…, n, n), (…, n, c) -> (…, n, c)."""
+    if factor.dtype != object:
+        return lapack_solve(factor, b)
+    n = factor.shape[-1]
     x: list[Array] = []
     for i in range(n):
         row = b[..., i, :]
         for k in range(i):
-            row = row - lower[i, k][..., None] * x[k]
+            row = row - factor[..., i, k, None] * x[k]
         x.append(row)
     for i in reversed(range(n)):
-        row = x[i] / scaled[i, i][..., None]
+        row = x[i] / factor[..., i, i, None]
         for k in range(i + 1, n):
-            row = row - lower[k, i][..., None] * x[k]
+            row = row - factor[..., k, i, None] * x[k]
         x[i] = row
     return stack(x, axis=-2) if x else b
 

@@ -1,5 +1,6 @@
 """Legs, platform and closure at one state, ready for the models."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +24,7 @@ from parflex.kinematics import PointMotion
 from parflex.legs.base import MARGINS, LegGroup
 from parflex.platform import PlatformTerms, platform_terms
 from parflex.robot import Robot
-from parflex.state import Coordinates
+from parflex.state import Coordinates, coordinates
 
 
 class LegTerms(NamedTuple):
@@ -40,6 +41,9 @@ class LegTerms(NamedTuple):
     gap: Array  # (…, L, 3t), from the platform's points to the tips; zero for closed legs
     gap_rate: Array  # (…, L, 3t)
     margins: tuple[Array, Array]  # (…, L)
+    R_ip: Array  # (…, L, 1, 3, 3), axes of Σp in Σ0i
+    place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
+    velocity: Array  # (…, L, t, 3)
 
 
 class System(NamedTuple):
@@ -61,22 +65,38 @@ def assemble(robot: Robot, x: Coordinates) -> System:
     W_p, W_e = kinematics.wrench_map(points.r, shapes)
     gravity_p = mtv(x.rotation, robot.gravity)
     platform = platform_terms(body, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
-    legs, first = [], 0
-    for group in robot.groups:
-        last = first + group.attachments.size
-        legs.append(leg_terms(robot, group, x, points.r[..., first:last, :], points.v[..., first:last, :]))
-        first = last
+    places = by_group(robot, kinematics.position_in_world(points.r, x))
+    moved = zip(robot.groups, places, by_group(robot, points.v), strict=True)
+    legs = [leg_terms(robot, group, x, place, v) for group, place, v in moved]
     return System(x, legs, points, W_p, W_e, platform)
 
 
-def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, r: Array, v: Array) -> LegTerms:
-    """The legs of a group, moved by their tips at r with velocity v (…, L t, 3), in Σp."""
-    count, tips = group.attachments.shape
-    by_leg = r.shape[:-2] + (count, tips, 3)
+def assembled(robot: Robot, x: Array) -> System:
+    """As `assemble`, at a flat state (…, size)."""
+    return assemble(robot, coordinates(x, robot.layout))
+
+
+def examined(robot: Robot, x: Array) -> tuple[System, Array]:
+    """As `assembled`, with its `health`, where a flat state may be none: quietly not a number there."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        system = assembled(robot, x)
+        return system, health(system)
+
+
+def by_group(robot: Robot, vectors: Array) -> list[Array]:
+    """Vectors (…, k, c) of all tips as one (…, L, t, c) per group."""
+    ends = pairwise(np.cumsum([0, *(group.attachments.size for group in robot.groups)]))
+    return [
+        vectors[..., first:last, :].reshape(vectors.shape[:-2] + group.attachments.shape + vectors.shape[-1:])
+        for group, (first, last) in zip(robot.groups, ends, strict=True)
+    ]
+
+
+def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, place: Array, v: Array) -> LegTerms:
+    """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp."""
     R_i0 = transpose(group.rotation)[:, None]
     R_ip = R_i0 @ x.rotation[..., None, None, :, :]
-    place = kinematics.position_in_world(r, x).reshape(by_leg) - group.origin[:, None]
-    place, velocity = mv(R_i0, place), mv(R_ip, v.reshape(by_leg))
+    place, velocity = mv(R_i0, place - group.origin[:, None]), mv(R_ip, v)
     joints = group.type.joints(group, place, x.q[..., group.carried])
     frames = chain.frames(group.chain, joints)
     qd = group.type.rates(group, frames, joints, place, velocity, x.qd[..., group.carried])
@@ -104,8 +124,11 @@ def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, r: Array, v: Array)
         J=by_tip,
         Jdqd=np.concatenate(Jdqd, axis=-1),
         gap=np.concatenate(gap, axis=-1),
-        gap_rate=mv(by_tip, qd) - merged(v.reshape(by_leg)),
+        gap_rate=mv(by_tip, qd) - merged(v),
         margins=group.type.margins(group, joints, place),
+        R_ip=R_ip,
+        place=place,
+        velocity=velocity,
     )
 
 
@@ -167,37 +190,35 @@ def joint_position(leg: LegTerms, j: int) -> Array:
 
 def joint_accelerations(robot: Robot, system: System, forces: Array, f: Array) -> list[Array]:
     """q̈ (…, L, n) of each group from all actuator forces (…, m) and contact forces (…, 3k)."""
-    found, first = [], 0
-    for leg in system.legs:
-        group = leg.group
-        last = first + 3 * group.attachments.size
-        tips = f[..., first:last]
-        pull = tips.reshape(tips.shape[:-1] + (len(group.legs), 3 * len(group.tip_frames)))
-        driving = mv(selection(group), forces[..., group.forces]) - mtv(leg.J, pull) - leg.c
+    found = []
+    for leg, pull in zip(system.legs, joint_pulls(robot, system, f), strict=True):
+        driving = mv(selection(leg.group), forces[..., leg.group.forces]) - pull - leg.c
         found.append(solve_definite(leg.A, driving[..., None])[..., 0])  # Eq. 7
-        first = last
     return found
+
+
+def joint_pulls(robot: Robot, system: System, f: Array) -> list[Array]:
+    """Jᵀ f (…, L, n) of each group: what contact forces (…, 3k) ask of its joints."""
+    tips = by_group(robot, kinematics.unstacked(f))
+    return [mtv(leg.J, merged(pull)) for leg, pull in zip(system.legs, tips, strict=True)]
 
 
 def joint_reactions(robot: Robot, system: System, qdd: list[Array], f: Array) -> list[tuple[Array, Array]]:
     """Force and moment (…, L, n, 3) that links receive through their joints, in their own axes."""
-    found, first = [], 0
-    for leg, acceleration in zip(system.legs, qdd, strict=True):
+    found = []
+    tips = by_group(robot, kinematics.unstacked(f))
+    for leg, acceleration, pull in zip(system.legs, qdd, tips, strict=True):
         group = leg.group
         gravity = mtv(group.rotation, np.asarray(robot.gravity))
         motions = chain.link_motions(group.chain, leg.frames, leg.qd, acceleration, gravity)
         force: list[Array] = [np.zeros(3)] * group.chain.n
         moment = list(force)
         R_ip = transpose(group.rotation) @ system.x.rotation[..., None, :, :]
-        by_leg = (len(group.legs), len(group.tip_frames), 3)
-        last = first + 3 * group.attachments.size
-        tips = f[..., first:last].reshape(f.shape[:-1] + by_leg)
         for t, j in enumerate(group.tip_frames):
-            push = mtv(leg.frames.R_0j[j], mv(R_ip, tips[..., t, :]))
+            push = mtv(leg.frames.R_0j[j], mv(R_ip, pull[..., t, :]))
             force[j], moment[j] = force[j] + push, moment[j] + cross(group.offsets[:, t], push)
         passed = chain.reactions(group.chain, leg.frames, motions, chain.Reaction(force, moment))
         found.append((stack(passed.force, axis=-2), stack(passed.moment, axis=-2)))
-        first = last
     return found
 
 
@@ -208,8 +229,9 @@ def carried_accelerations(robot: Robot, system: System, forces: Array, f: Array)
 
 def carried_pull(robot: Robot, system: System, f: Array) -> Array:
     """A⁻¹ Jᵀ f (…, n) of the joints that the state carries: what contact forces (…, 3k) do to them."""
-    bare = system._replace(legs=[leg._replace(c=0.0 * leg.c) for leg in system.legs])
-    return -carried_accelerations(robot, bare, np.zeros(robot.n_forces), f)
+    pulls = zip(system.legs, joint_pulls(robot, system, f), strict=True)
+    moved = [solve_definite(leg.A, pull[..., None])[..., 0] for leg, pull in pulls]
+    return in_carried_order(robot, system, moved)
 
 
 def in_carried_order(robot: Robot, system: System, joints: list[Array]) -> Array:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array, outer, without_roundoff
 from parflex.check import exactly, finite, integer, of_type, positive
 from parflex.errors import InputError
-from parflex.modes import Modes, Moments, shifted
+from parflex.modes import Modes, Moments, shifted, with_point
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,15 +153,7 @@ class FlexibleBody:
         m = positive("mass", mass)
         if integer("node", node) >= len(self.nodes):
             raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
-        r, Phi, old = self.nodes[node], self.shapes[:, node], self.moments
-        moments = Moments(
-            m=old.m + m,
-            MS0=old.MS0 + m * r,
-            P0=old.P0 + m * outer(r, r),
-            S=old.S + m * Phi.T,
-            P1=old.P1 + m * outer(Phi, r),
-            P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
-        )
+        moments = with_point(self.moments, m, self.nodes[node], self.shapes[:, node])
         return replace(self, moments=moments)
 
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
@@ -190,6 +182,10 @@ class FlexibleBody:
         """m_ee⁻¹ (N, N)."""
         return without_roundoff(np.linalg.inv(self.m_ee))
 
+    def modal_solve(self, loads: Array) -> Array:
+        """m_ee⁻¹ times modal forces (…, N, c)."""
+        return self.m_ee_inverse @ loads
+
     @cached_property
     def attachment_points(self) -> Array:
         """r_i(0) (k, 3) m of the undeformed body."""
@@ -199,6 +195,12 @@ class FlexibleBody:
     def attachment_shapes(self) -> Array:
         """Φ_d(i) (k, 3, N)."""
         return without_roundoff(np.moveaxis(self.shapes[:, list(self.attachments)], 0, -1))
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square distance of the attachments from their centre, m; 1 where that is zero."""
+        points = self.attachment_points
+        return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
 
     @cached_property
     def tables(self) -> Moments:
@@ -242,8 +244,17 @@ def modal_diagonals(moments: Moments, omega: Array, damping_ratio: ArrayLike) ->
         raise InputError(
             f"damping_ratio is {damping_ratio!r}; expected one value ≥ 0 or {len(omega)} of them"
         )
-    m_kk = np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
-    return omega**2 * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
+    return diagonals(modal_masses(moments), omega, zeta)
+
+
+def modal_masses(moments: Moments) -> Array:
+    """m_kk (N,), the diagonal of tr P2."""
+    return np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
+
+
+def diagonals(m_kk: Array, omega: Array, zeta: Array) -> tuple[Array, Array]:
+    """ω² m_kk and 2 ζ ω m_kk."""
+    return omega * omega * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
 
 
 def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:

@@ -1,13 +1,61 @@
-"""Assembly branches that a state names by its joints, where the robot's legs name none."""
+"""Assembly branches, and the joints of a state that name them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
+from parflex.answers import legs_of
 from parflex.array import Array
+from parflex.assembly import examined
+from parflex.errors import InputError
+from parflex.legs import Leg
 from parflex.legs.base import LegGroup, joints_at, tips_at
 from parflex.robot import Robot
+from parflex.spatial import within_half_a_turn
+from parflex.state import State
+
+FAR = 0.5  # rad, between a joint that is given and the closed form's: another branch
+
+
+def check_joints(robot: Robot, state: State) -> None:
+    """Raise InputError where the joints that a state names are not those of the legs."""
+    if state.joints is None and state.joint_rates is None:
+        return
+    counts = [len(leg.joints) for leg in robot.legs]
+    for name in ("joints", "joint_rates"):
+        values = getattr(state, name)
+        if values is not None and len(values) != len(counts):
+            raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
+        for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
+            if value is not None and value.shape[-1] != count:
+                raise InputError(
+                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                    f"last axis must be {count} long"
+                )
+
+
+def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
+    """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
+    stands = legs_of(robot, examined(robot, x)[0]).q
+    for number, (leg, given) in enumerate(zip(robot.legs, joints, strict=True)):
+        if given is None or robot.layout.joints[number]:
+            continue
+        turn = turned(leg, stands[number], given).reshape(-1, len(leg.joints))
+        where = np.argwhere(turn.T > FAR)
+        if len(where):
+            j = where[0][0]
+            raise InputError(
+                f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
+                f"{j + 1} differs by {np.nanmax(turn[:, j]):.2f} rad; leave it None, or give "
+                f"the leg a posture on the branch that you want"
+            )
+
+
+def turned(leg: Leg, q: Array, reference: Array) -> Array:
+    """How far joints (…, n) are turned from a reference, rad; zero for sliding ones."""
+    turns = np.array([1 - joint.sigma for joint in leg.joints])
+    return turns * np.abs(within_half_a_turn(q - reference))
 
 
 def other_branches(robot: Robot, joints: Sequence[Array | None]) -> tuple[int, ...]:
@@ -17,8 +65,7 @@ def other_branches(robot: Robot, joints: Sequence[Array | None]) -> tuple[int, .
     """
     found: list[int] = []
     for group in robot.groups:
-        places = [i for i, n in enumerate(group.legs) if joints[n] is not None]
-        if group.type.carries or len(places) < len(group.legs):
+        if group.type.carries or any(joints[n] is None for n in group.legs):
             continue
         q = np.stack([first_of(joints[n]) for n in group.legs])
         found += [n for n in differing(group, q) if robot.legs[n].posture is None]

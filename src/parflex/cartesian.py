@@ -9,16 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex import kinematics
-from parflex.array import (
-    Array,
-    block_diagonal,
-    join,
-    merged,
-    mtv,
-    mv,
-    solve_definite,
-    transpose,
-)
+from parflex.array import Array, block_diagonal, join, merged, mtv, mv, solve_definite, transpose
 from parflex.assembly import LegTerms, System, actuated_axes, assemble, diagonal
 from parflex.errors import InputError
 from parflex.robot import Robot

@@ -174,10 +174,12 @@ def reactions(chain: Chain, frame: Frames, motions: list[Motion], tips: "Reactio
     return Reaction(force, moment)
 
 
-def inverse_dynamics(chain: Chain, frame: Frames, motions: list[Motion], qdd: Array) -> Array:
-    """Joint torques τ (…, L, n) = A q̈ + c of the open trees, without friction and springs."""
+def inverse_dynamics(
+    chain: Chain, frame: Frames, motions: list[Motion], qdd: Array, tips: "Reaction | None" = None
+) -> Array:
+    """Joint torques τ (…, L, n) = A q̈ + c (+ Jᵀ f) of the trees, without friction and springs."""
     free = [np.zeros(3)] * chain.n
-    force, moment = reactions(chain, frame, motions, Reaction(free, free))
+    force, moment = reactions(chain, frame, motions, Reaction(free, free) if tips is None else tips)
     torque: list[Array] = [np.zeros(())] * chain.n
     for j, slides in enumerate(chain.sigma):
         axial = slides * force[j][..., 2] + (1 - slides) * moment[j][..., 2]

@@ -11,7 +11,7 @@ from rich.markup import escape
 from rich.table import Table
 
 import parflex
-from parflex.commands import check, export, init, simulate, summary
+from parflex.commands import check, export, init, save_run, simulate, tell_run
 from parflex.errors import InputError
 from parflex.modes_command import frequency_table, modes
 from parflex.terminal import (
@@ -24,7 +24,7 @@ from parflex.terminal import (
     console,
     step,
 )
-from parflex.viewing import report, view, what_now
+from parflex.viewing import report, view
 
 app = typer.Typer(
     invoke_without_command=True,
@@ -109,22 +109,12 @@ def paper(
     done = section.run(
         0 if rigid else modes, frequencies, undeformed, backend, say=lambda words: step(start, words)
     )
-    step(start, "saving the result")
-    saved = done.result.save(out / "result.nc")
-    if done.result.partial:
-        console.print(f"[yellow]stopped {done.result.stopped}[/]; the result is partial")
+    save_run(done.result, out, start)
     step(start, "drawing the figures")
     pictures = section.figures(done, out, image)
     if len(done.modes.frequencies):
         console.print(frequency_table(done.modes, section.TABLE_2))
-    for note in str(done.result.dataset.attrs["notes"]).splitlines():
-        console.print(f"[yellow]note[/] {note}")
-    console.print(summary(done.result))
-    names = ", ".join(path.name for path in pictures)
-    console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
-    what_now(saved)
-    if done.result.partial:
-        raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+    tell_run(done.result, pictures)
 
 
 @app.command()

@@ -4,24 +4,24 @@ A state with lower mobility, or with joints of its own, satisfies the closure or
 Newton's method, damped, finds what does: J δq − Wᵀ δ(pose, q_e) = −gap.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 
 from parflex.array import Array, block, block_diagonal, join, merged, mv, transpose
-from parflex.assembly import System, actuated_positions, assemble, diagonal, joint_position
+from parflex.assembly import System, actuated_positions, assembled, diagonal
+from parflex.branches import check_branch, check_joints
 from parflex.check import of_type
-from parflex.errors import InputError, NotConverged
+from parflex.errors import NotConverged
 from parflex.robot import Robot
-from parflex.spatial import quaternion_rate
+from parflex.spatial import quaternion_rate, within_half_a_turn
 from parflex.state import State, coordinates, pack
 
 CLOSED = 1e-13  # of the platform's size: a gap that is round-off
 STEPS = 60
 LARGEST_TURN = 0.5  # rad, in one step
-OTHER_BRANCH = 0.5  # rad, between a joint that is given and the closed form's
 FOLLOW = 1e3  # how much easier a joint moves than the pose
 WEAKEST = 1e-9  # of the largest singular value: what counts as a direction that can be moved along
 
@@ -37,7 +37,10 @@ JOINTS, POSE, ALL = Freedom(False, False), Freedom(True, False), Freedom(True, T
 
 
 def flat_state(robot: Robot, state: State) -> Array:
-    """The flat state (…, size); joints that it carries are closed by Newton's method."""
+    """The flat state (…, size); joints that it carries are closed by Newton's method.
+
+    Raises InputError where the state does not fit the robot, or its joints are on another branch.
+    """
     layout = robot.layout
     of_type("state", state, State)
     check_joints(robot, state)
@@ -51,45 +54,11 @@ def flat_state(robot: Robot, state: State) -> Array:
     return x
 
 
-def check_joints(robot: Robot, state: State) -> None:
-    """Raise InputError where the joints that a state names are not those of the legs."""
-    counts = [len(leg.joints) for leg in robot.legs]
-    for name in ("joints", "joint_rates"):
-        values = getattr(state, name)
-        if values is not None and len(values) != len(counts):
-            raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
-        for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
-            if value is not None and value.shape[-1] != count:
-                raise InputError(
-                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
-                    f"last axis must be {count} long"
-                )
-
-
-def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
-    """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        system = assemble(robot, coordinates(x, robot.layout))
-    for leg in system.legs:
-        for place, number in enumerate(leg.group.legs):
-            given = joints[number]
-            if given is None or leg.group.type.carries:
-                continue
-            for j in range(leg.group.chain.n):
-                turn = np.abs(within_half_a_turn(joint_position(leg, j)[..., place] - given[..., j]))
-                if leg.group.chain.sigma[j] == 0 and np.any(turn > OTHER_BRANCH):
-                    raise InputError(
-                        f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
-                        f"{j + 1} differs by {np.max(turn):.2f} rad; leave it None, or give "
-                        f"the leg a posture on the branch that you want"
-                    )
-
-
 def started(robot: Robot, state: State) -> State:
     """The state with the legs' postures where it names no joints."""
     given = state.joints or (None,) * len(robot.legs)
     postures = [np.zeros(len(leg.joints)) if leg.posture is None else leg.posture for leg in robot.legs]
-    joints = tuple(p if q is None else q for q, p in zip(given, postures, strict=False))
+    joints = tuple(p if q is None else q for q, p in zip(given, postures, strict=True))
     return replace(state, joints=joints)
 
 
@@ -113,7 +82,7 @@ def closed(robot: Robot, x: Array, freedom: Freedom) -> tuple[Array, Array]:
     """The flat state (…, size) moved until its gaps vanish, and the largest gap (…,) m that is left."""
 
     def gap_and_step(y: Array) -> tuple[Array, Array]:
-        system = assemble(robot, coordinates(y, robot.layout))
+        system = assembled(robot, y)
         r = gaps(system)
         return r, -least_squares(robot, closure_matrix(system), r, freedom)
 
@@ -125,7 +94,7 @@ def posed(robot: Robot, x: Array, wanted: Array) -> tuple[Array, Array]:
     slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
 
     def gap_and_step(y: Array) -> tuple[Array, Array]:
-        system = assemble(robot, coordinates(y, robot.layout))
+        system = assembled(robot, y)
         ahead = actuated_positions(robot, system) - wanted
         ahead = np.where(slides, ahead, within_half_a_turn(ahead))
         r = join([gaps(system), ahead])
@@ -134,11 +103,6 @@ def posed(robot: Robot, x: Array, wanted: Array) -> tuple[Array, Array]:
         return r, -least_squares(robot, np.concatenate([G, S], axis=-2), r, POSE)
 
     return damped(robot, x, gap_and_step)
-
-
-def within_half_a_turn(angle: Array) -> Array:
-    """The angle in [−π, π), rad."""
-    return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
 
 
 def damped(
@@ -168,7 +132,7 @@ def largest(r: Array) -> Array:
 
 def with_rates(robot: Robot, x: Array, freedom: Freedom) -> Array:
     """The flat state with rates corrected, as little as need be, so that the tips stay closed."""
-    system = assemble(robot, coordinates(x, robot.layout))
+    system = assembled(robot, x)
     rates = gaps(system, rate=True)
     return accelerated(robot, x, -least_squares(robot, closure_matrix(system), rates, freedom, np.inf))
 
@@ -251,5 +215,4 @@ def carried_part(robot: Robot, joints: Array) -> Array:
 
 def size_of(robot: Robot) -> float:
     """Root mean square distance of the attachments from their centre, m."""
-    points = robot.platform.attachment_points
-    return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
+    return robot.platform.size

@@ -2,7 +2,7 @@
 
 import time
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 from rich.markup import escape
@@ -14,8 +14,10 @@ from parflex.viewing import what_now
 
 if TYPE_CHECKING:
     from parflex.output import FrameOutput
+    from parflex.result import Result
 
 RobotPath = Annotated[Path, typer.Argument(help="A robot file (TOML).")]
+RESULT = "result.nc"  # of a run, in its folder
 
 
 def init(
@@ -34,9 +36,10 @@ def init(
     from parflex.files.templates import write_templates
 
     files = write_templates(name, robot, force)
-    console.print(f"wrote {', '.join(str(path) for path in files)}")
-    console.print(f"now: parflex check {files[0]}")
-    console.print(f"     parflex simulate {files[0]} --trajectory {files[1]}")
+    names = [escape(str(path)) for path in files]
+    console.print(f"wrote {', '.join(names)}")
+    console.print(f"now: parflex check {names[0]}")
+    console.print(f"     parflex simulate {names[0]} --trajectory {names[1]}")
 
 
 def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat = "png") -> None:
@@ -60,9 +63,9 @@ def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat
     console.print(table_of(overview.JOINT_HEADS, overview.joint_rows(model)))
     console.print(str(model.mobility(file.robot.home)))
     check_writable(out)
-    picture = out / f"{robot.stem}.{image}"
-    plot.robot_at(sketch(model, file.robot.home), "home").savefig(picture)
-    console.print(f"drawn in [bold]{picture}[/]")
+    drawn = plot.robot_at(sketch(model, file.robot.home), "home")
+    [picture] = plot.save({robot.stem: drawn}, out, image)
+    console.print(f"drawn in [bold]{escape(str(picture))}[/]")
 
 
 def simulate(
@@ -86,20 +89,9 @@ def simulate(
     check_writable(out)
     start = time.perf_counter()
     done = flight.fly(file, plan, backend, say=lambda words: step(start, words))
-    step(start, "saving the result")
-    saved = done.result.save(out / "result.nc")
-    if done.result.partial:
-        console.print(f"[yellow]stopped {escape(done.result.stopped)}[/]; the result is partial")
+    save_run(done.result, out, start)
     step(start, "drawing the pictures")
-    pictures = flight.figures(done, out, image)
-    console.print(summary(done.result))
-    for line in str(done.result.dataset.attrs["beyond_limits"]).splitlines():
-        console.print(f"[yellow]note[/] {line}")
-    names = ", ".join(path.name for path in pictures)
-    console.print(f"[bold]{saved}[/] holds the run (NetCDF-4: xarray, MATLAB); pictures in {out}: {names}")
-    what_now(saved)
-    if done.result.partial:
-        raise typer.Exit(130 if "interrupted" in done.result.stopped else 1)
+    tell_run(done.result, flight.figures(done, out, image))
 
 
 def export(
@@ -153,11 +145,35 @@ def table_of(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
     """Rows of words under their heads."""
     table = Table(*heads)
     for row in rows:
-        table.add_row(*row)
+        table.add_row(*(escape(cell) for cell in row))
     return table
 
 
-def summary(result: Any) -> Table:
+def save_run(result: "Result", out: Path, start: float) -> None:
+    """Save a run, before its pictures are drawn."""
+    step(start, "saving the result")
+    result.save(out / RESULT)
+    if result.partial:
+        console.print(f"[yellow]stopped {escape(result.stopped)}[/]; the result is partial")
+
+
+def tell_run(result: "Result", pictures: list[Path]) -> None:
+    """What a run can be judged by, and where it is; a partial one ends the command with an error code."""
+    console.print(summary(result))
+    for name in ("notes", "beyond_limits"):
+        for note in str(result.dataset.attrs.get(name, "")).splitlines():
+            console.print(f"[yellow]note[/] {escape(note)}")
+    out, names = pictures[0].parent, ", ".join(path.name for path in pictures)
+    console.print(
+        f"[bold]{escape(str(out / RESULT))}[/] holds the run (NetCDF-4: xarray, MATLAB); "
+        f"pictures in {escape(str(out))}: {names}"
+    )
+    what_now(out / RESULT)
+    if result.partial:
+        raise typer.Exit(130 if "interrupted" in result.stopped else 1)
+
+
+def summary(result: "Result") -> Table:
     """What a run can be judged by."""
     data = result.dataset
     table = Table("check", "value", title="The run", title_justify="left")

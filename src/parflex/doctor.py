@@ -12,7 +12,10 @@ from parflex.model import Model
 from parflex.output import FrameOutput
 from parflex.robots import gough_stewart
 
-PACKAGES = ("numpy", "scipy", "casadi", "scikit-fem", "xarray", "h5netcdf", "matplotlib", "llvmlite")
+PACKAGES = (
+    *("numpy", "scipy", "casadi", "scikit-fem", "xarray", "h5netcdf", "matplotlib", "llvmlite"),
+    *("netgen-mesher", "meshio"),
+)
 AGREEMENT = 1e-12  # backends differ by the order of additions only
 IDENTITY = 1e-10
 

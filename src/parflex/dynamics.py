@@ -151,14 +151,14 @@ def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
     """The system that is left when joint and platform accelerations are eliminated."""
     body, (A_rr, A_re, c_r, c_e) = robot.platform, system.platform
     c_r, c_e = c_r - wrench[..., :6], c_e - wrench[..., 6:]
-    Phi = transpose(system.W_e)
-    E = A_re @ body.m_ee_inverse
+    E = transpose(body.modal_solve(transpose(A_re)))
+    softness = transpose(body.modal_solve(system.W_e))
     A_s = A_rr - E @ transpose(A_re)
     B = system.W_p - E @ system.W_e
     c_s = c_r - mv(E, c_e)
     held = solve_definite(A_s, np.concatenate([B, c_s[..., None]], axis=-1))
-    C = transpose(B) @ held[..., :-1] + Phi @ body.m_ee_inverse @ system.W_e
-    rhs = mtv(B, held[..., -1]) + mv(Phi @ body.m_ee_inverse, c_e)
+    C = transpose(B) @ held[..., :-1] + softness @ system.W_e
+    rhs = mtv(B, held[..., -1]) + mv(softness, c_e)
     rhs = rhs - kinematics.stacked(system.points.h)
 
     compliance, driven, drift = [], [], []
@@ -181,12 +181,12 @@ def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array
     """(V̇_p, q̈_e) = M_p⁻¹ (W f − c_p) for contact forces f (…, 3k)."""
     driven = mv(contact.inertia.B, f) - contact.c_s
     Vd = solve_definite(contact.inertia.A_s, driven[..., None])[..., 0]
-    elastic = mv(body.m_ee_inverse, mv(system.W_e, f) - contact.c_e)
+    elastic = body.modal_solve((mv(system.W_e, f) - contact.c_e)[..., None])[..., 0]
     return Acceleration(Vd, elastic - mtv(contact.inertia.E, Vd), f)  # Eq. 43
 
 
 def acceleration_map(body: FlexibleBody, system: System, contact: Contact, F: Array) -> tuple[Array, Array]:
     """The linear part of `accelerations` for columns of contact forces (…, 3k, c)."""
     Vd = solve_definite(contact.inertia.A_s, contact.inertia.B @ F)
-    elastic = body.m_ee_inverse @ (system.W_e @ F)
+    elastic = body.modal_solve(system.W_e @ F)
     return Vd, elastic - transpose(contact.inertia.E) @ Vd

@@ -58,8 +58,4 @@ def figures(flight: Flight, directory: Path, suffix: str = "png") -> list[Path]:
         drawn["deformation"] = plot.attachment_deformation(result)
     if "acceleration_error" in result.dataset:
         drawn["accelerations"] = plot.accelerations(result)
-    directory.mkdir(parents=True, exist_ok=True)
-    paths = [directory / f"{name}.{suffix}" for name in drawn]
-    for path, figure in zip(paths, drawn.values(), strict=True):
-        figure.savefig(path)
-    return paths
+    return plot.save(drawn, directory, suffix)

@@ -1,28 +1,24 @@
 """Forward geometry: the poses to which given actuated joints lead."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from parflex.array import Array
-from parflex.closure import CLOSED, POSE, displaced, posed, size_of, units, within_half_a_turn
+from parflex.closure import CLOSED, POSE, displaced, posed, size_of, units
 from parflex.errors import NotConverged
 from parflex.progress import Progress
 from parflex.robot import Robot
+from parflex.spatial import within_half_a_turn
 from parflex.state import coordinates
-
-if TYPE_CHECKING:
-    from parflex.model import Model
 
 CLOSE_ENOUGH = 1e3 * CLOSED  # of the platform's size
 SAME = 1e-6  # of the platform's size and a radian: poses that are one
 SPREAD = (3.0, np.pi)  # random starts: of the platform's size, rad
 
 
-def pose(model: "Model", wanted: Array, start: Array) -> Array:
+def pose(robot: Robot, wanted: Array, start: Array) -> Array:
     """The flat state whose actuated joints are as wanted (m,), from a flat state near it."""
-    found, gap = posed(model.robot, start, wanted)
-    if not gap <= CLOSE_ENOUGH * max(1.0, size_of(model.robot)):
+    found, gap = posed(robot, start, wanted)
+    if not gap <= CLOSE_ENOUGH * max(1.0, size_of(robot)):
         raise NotConverged(
             f"no pose with these actuated joints was found from the guess, a gap of {gap:.2g} m or rad "
             f"remains; give a guess nearer to it, or look for all poses with model.poses"
@@ -30,9 +26,9 @@ def pose(model: "Model", wanted: Array, start: Array) -> Array:
     return found
 
 
-def every_pose(model: "Model", wanted: Array, start: Array, starts: int, seed: int) -> list[Array]:
+def every_pose(robot: Robot, wanted: Array, start: Array, starts: int, seed: int) -> list[Array]:
     """All poses found from random starts about a flat state, the nearest to it first."""
-    robot, rng, found = model.robot, np.random.default_rng(seed), [np.empty((0, len(start)))]
+    rng, found = np.random.default_rng(seed), [np.empty((0, len(start)))]
     size = size_of(robot)
     spread = units(robot, POSE) * np.concatenate(
         [np.full(3, SPREAD[0] * size), np.full(len(units(robot, POSE)) - 3, SPREAD[1] * size)]

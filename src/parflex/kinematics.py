@@ -57,6 +57,11 @@ def stacked(vectors: Array) -> Array:
     return merged(vectors)  # Eq. 25
 
 
+def unstacked(vectors: Array) -> Array:
+    """(…, 3k) as (…, k, 3)."""
+    return vectors.reshape(vectors.shape[:-1] + (vectors.shape[-1] // 3, 3))
+
+
 def generalised_force(W_p: Array, W_e: Array, forces: Array) -> tuple[Array, Array]:
     """F_p = (f_p, n_p) and Q_p of the stacked contact forces (…, 3k)."""
     return mv(W_p, forces), mv(W_e, forces)  # Eqs. 27, 28, 29

@@ -6,10 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.array import Array
-from parflex.assembly import assemble
+from parflex.assembly import assembled
 from parflex.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, size_of, units
 from parflex.robot import Robot
-from parflex.state import coordinates
 
 RANK = (
     1e-6  # of matrices with entries of order 1; near a serial singularity joints go with the root of a pose
@@ -68,17 +67,18 @@ class Motions(NamedTuple):
 def mobility(robot: Robot, x: Array) -> Mobility:
     """The mobility at one flat state."""
     lengths = np.repeat([1.0, size_of(robot)], 3)
-    Z_p, Z_a = motions(robot, x)
-    G = closure_matrix(assemble(robot, coordinates(x, robot.layout))) * units(robot, ALL)
+    G = scaled_closure(robot, x)
+    Z_p, Z_a = motions(robot, G)
     still, locked = null_space(Z_p), null_space(Z_a)
-    clash = null_space(G.T).reshape(len(robot.tip_attachments), 3, len(G) - rank(G))
+    independent = rank(G)
+    clash = null_space(G.T).reshape(len(robot.tip_attachments), 3, len(G) - independent)
     pressed = robot.tip_attachments[np.linalg.norm(clash, axis=(1, 2)) > 1e-6]
     return Mobility(
         freedoms=rank(Z_p),
         internal=null_space(np.vstack([Z_p, Z_a])).shape[1],
         actuators=robot.n_forces,
         rows=len(G),
-        rank=rank(G),
+        rank=independent,
         not_unique=tuple(sorted(int(a) for a in pressed)),
         parallel=unit(span(Z_p @ locked)) / lengths,
         serial=unit(span(Z_a @ still)),
@@ -93,24 +93,27 @@ def reached(robot: Robot, x: Array) -> Array:
         robot, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])
     )
     with np.errstate(invalid="ignore", divide="ignore"):
-        G = closure_matrix(assemble(robot, coordinates(near, robot.layout)))
+        G = closure_matrix(assembled(robot, near))
     within = np.all(np.isfinite(G), axis=(-2, -1))
     return x if within[0] or not np.any(within) else near[np.argmax(within)]
 
 
-def motions(robot: Robot, x: Array) -> Motions:
-    """What the closure allows while the platform does not bend."""
-    scale = units(robot, ALL)
-    G = closure_matrix(assemble(robot, coordinates(x, robot.layout))) * scale
-    S = actuated_rows(robot) * scale
+def scaled_closure(robot: Robot, x: Array) -> Array:
+    """[−Wᵀ J] (3k, 6 + N + n) at a flat state, its columns in the robot's scale."""
+    return closure_matrix(assembled(robot, x)) * units(robot, ALL)
+
+
+def motions(robot: Robot, G: Array) -> Motions:
+    """What a scaled closure allows while the platform does not bend."""
     bend = np.s_[6 : 6 + robot.platform.modes]
     Z = null_space(np.delete(G, bend, axis=1))
+    S = actuated_rows(robot) * units(robot, ALL)
     return Motions(Z[:6], np.delete(S, bend, axis=1) @ Z)
 
 
 def freed_twist(robot: Robot, x: Array) -> Array:
     """The twist (6,), largest entry 1, that locked actuators hold least."""
-    Z_p, Z_a = motions(robot, x)
+    Z_p, Z_a = motions(robot, scaled_closure(robot, x))
     weakest = Z_p @ np.linalg.svd(Z_a)[2][-1]
     twist = weakest / np.repeat([1.0, size_of(robot)], 3)
     return twist / np.max(np.abs(twist))

@@ -1,47 +1,47 @@
 """The dynamic models of a robot, on the backend of one's choice: the comfortable door."""
 
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from copy import copy
 from dataclasses import replace
-from functools import wraps
 from threading import Lock
-from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex import assembly, cartesian, closure, geometry, singular
-from parflex.answers import Accelerations, Forces, Legs, Reactions, by_attachment, by_leg, legs_of
+from parflex import assembly, cartesian, closure, search, singular
+from parflex.answers import (
+    Accelerations,
+    DirectJacobian,
+    Forces,
+    InverseJacobian,
+    Legs,
+    Reactions,
+    by_attachment,
+    by_leg,
+    by_rows,
+    legs_of,
+)
 from parflex.array import Array
-from parflex.branches import on_branches, other_branches
+from parflex.assembly import System, examined
 from parflex.cartesian import Cartesian
-from parflex.check import exactly, finite, integer, of_type
-from parflex.compiled import choose, kernels
+from parflex.check import broadcast_together, finite, of_type
+from parflex.compiled import choose, jacobians, kernels
 from parflex.compiled.backend import Function
 from parflex.compiled.flat import Compiled
 from parflex.compiled.kernels import Kernel
-from parflex.errors import DynamicSingularity, InputError, NotConverged
+from parflex.compiled.parametrised import At, parametrised
+from parflex.designs import rebuilt
+from parflex.dynamics import Acceleration
+from parflex.errors import DynamicSingularity, InputError
+from parflex.family import Family, on_branch
 from parflex.mobility import Mobility, mobility, reached
 from parflex.output import FrameOutput, Output
+from parflex.parameters import Parameters
 from parflex.robot import Robot
-from parflex.state import State, Wrench, coordinates, unpack
-from parflex.wrench import generalised_force
-
-if TYPE_CHECKING:
-    from parflex.zero_dynamics import OutputReport
-
-
-Answer = TypeVar("Answer")
-
-
-def on_branch(method: Callable[..., Answer]) -> Callable[..., Answer]:
-    """The method, on the assembly branch that its state names."""
-
-    @wraps(method)
-    def redirected(self: "Model", state: State, *given: Any, **named: Any) -> Answer:
-        return method(self.of(state), state, *given, **named)
-
-    return redirected
+from parflex.state import State, Wrench, unpack
+from parflex.wrench import generalised_force, places_of, pushes_of
+from parflex.zero_dynamics import OutputReport, output_report
 
 
 class Model:
@@ -53,34 +53,62 @@ class Model:
     States must be on the closure of the legs, which for robots of fewer than six freedoms is a
     condition (`project` finds the nearest); joints that are carried in the state are closed here.
 
-    Raises InputError for an unknown backend.
+    parameters names numbers of the robot that may change without compiling anew, by Python's path to
+    them (docs/parameters.md): "gravity", "legs[0].joints[2].M", "platform.payload[12]" … `direct` and
+    `inverse` take values for them, batches too; `with_parameters` makes the model of a robot that has
+    other values. All else is at the robot's own.
+
+    Raises InputError for an unknown backend or parameter.
     """
 
-    def __init__(self, robot: Robot, backend: str = "auto") -> None:
+    def __init__(self, robot: Robot, backend: str = "auto", parameters: Sequence[str] = ()) -> None:
         self.robot = robot
         self.backend = choose(backend)
+        self._parameters = Parameters(robot, parameters)
+        self._theta = self._parameters.own
         self._functions: dict[object, Function] = {}
-        self._siblings: dict[tuple[int, ...], Model] = {}
-        self._origin: Model | None = None
         self._lock = Lock()
+        self.family = Family(self)
+
+    @property
+    def parameters(self) -> dict[str, Array]:
+        """The values of the parameters, by name."""
+        return {item.name: value.copy() for item, value in self._parameters.split(self._theta)}
+
+    def with_parameters(self, values: Mapping[str, ArrayLike]) -> "Model":
+        """The model of the robot with other values of some parameters; it shares all compiled code.
+
+        Raises InputError for names that are not among the parameters, a batch of values, and values
+        that the robot itself would refuse.
+        """
+        theta = self._parameters.vector(values, self._theta)
+        if theta.ndim > 1:
+            raise InputError(
+                f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
+                f"model.direct or model.inverse"
+            )
+        other = copy(self)
+        other.robot, other._theta = rebuilt(self._parameters, theta), theta
+        other.family = Family(other, self.family)
+        return other
 
     @on_branch
-    def direct(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Accelerations:
+    def direct(
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Sequence[Wrench] = (),
+        parameters: Mapping[str, ArrayLike] | None = None,
+    ) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
-        Leading axes of state, forces and wrenches broadcast. Where contact forces are not unique
-        (see `mobility`) they are the shortest.
+        Leading axes of state, forces, wrenches and values of parameters broadcast. Where contact forces
+        are not unique (see `mobility`) they are the shortest.
 
         Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
         where a leg's inverse geometry fails or the closure loses a row.
         """
-        x = self.flat(state)
-        u = finite("forces", forces, (self.robot.n_forces,))
-        w = generalised_force(self.robot.platform, state, wrenches)
-        check_batch(x, u, w, "forces")
-        Vd, qdd_e, f, health = self.function(kernels.direct)(x, u, w)
-        self.check(x, health)
-        singular.check_finite(Vd)
+        _, _, (Vd, qdd_e, f) = self._moved(state, forces, wrenches, parameters)
         return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
 
     @on_branch
@@ -91,6 +119,7 @@ class Model:
         output: Output | None = None,
         wrenches: Sequence[Wrench] = (),
         preload: ArrayLike | None = None,
+        parameters: Mapping[str, ArrayLike] | None = None,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
@@ -102,21 +131,72 @@ class Model:
         OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
         beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        output = self._output(output)
+        output = self._commanded(output)
         x, m = self.flat(state), self.robot.n_forces
         wanted = finite("target", target, (output.size,))
         w = generalised_force(self.robot.platform, state, wrenches)
         bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
-        check_batch(x, wanted, w, "target", bias)
-        found = self.function(kernels.inverse, output)(x, wanted, w, bias)
-        forces, Vd, qdd_e, f, gain, health = found
+        theta = self._values(parameters)
+        broadcast_together(state=x, target=wanted, wrenches=w, preload=bias, parameters=theta)
+        function = self.function(kernels.inverse, output, at=theta)
+        forces, Vd, qdd_e, f, gain, health = function.run(x, wanted, w, bias)
         self.check(x, health)
         singular.check_finite(gain)
-        rigid = self.function(kernels.gains, output)(x)[1]
+        rigid = self.function(kernels.gains, output, at=theta).run(x)[1]
         beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
         if np.any(beyond):
-            warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=2)
+            warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=3)
         return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
+
+    @on_branch
+    def direct_jacobian(
+        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
+    ) -> DirectJacobian:
+        """Derivatives of the accelerations of `direct` by state, forces, loads and parameters; exact.
+
+        The wrenches are held in the frame they are given in. The derivatives are those of the formulas:
+        for robots of fewer freedoms they hold for motions that the closure allows.
+
+        Raises as `direct`, and InputError for a batch of wrenches.
+        """
+        x = self.flat(state)
+        u = finite("forces", forces, (self.robot.n_forces,))
+        given = self._jacobian_inputs(x, state, wrenches, forces=u)
+        places = places_of(wrenches)
+        *found, health = self.function(jacobians.direct_jacobian, places)(x, u, *given)
+        self.check(x, health)
+        by_parameter = np.zeros((*found[0].shape[:-1], 0))
+        if self._parameters.items:
+            by_parameter = self.function(jacobians.parameter_jacobian, places)(x, u, *given)[0]
+        rows = 6 + self.robot.platform.modes
+        return DirectJacobian(*(by_rows(part, rows) for part in (*found, by_parameter)))
+
+    @on_branch
+    def inverse_jacobian(
+        self,
+        state: State,
+        target: ArrayLike,
+        output: Output | None = None,
+        wrenches: Sequence[Wrench] = (),
+    ) -> InverseJacobian:
+        """Derivatives of the forces of `inverse` by state and target; exact.
+
+        Raises as `inverse`, and InputError for a batch of wrenches, and where the output has not as many
+        rows as there are actuators.
+        """
+        output, m = self._commanded(output), self.robot.n_forces
+        if output.size != m:
+            raise InputError(
+                f"output has {output.size} rows and the robot {m} actuators; the derivative is known for "
+                f"as many rows as actuators: choose another output"
+            )
+        x, wanted = self.flat(state), finite("target", target, (m,))
+        given = self._jacobian_inputs(x, state, wrenches, target=wanted)
+        run = self.function(jacobians.inverse_jacobian, output, places_of(wrenches))
+        *found, health = run(x, wanted, *given)
+        self.check(x, health)
+        singular.check_finite(found[0])
+        return InverseJacobian(*(by_rows(part, m) for part in found))
 
     @on_branch
     def cartesian(self, state: State) -> Cartesian:
@@ -124,12 +204,12 @@ class Model:
 
         Raises InputError where a leg has not as many joints as contact force components.
         """
-        return cartesian.cartesian(self.robot, self._system(state).x)[0]
+        return cartesian.cartesian(self.robot, self.system(state).x)[0]
 
     @on_branch
     def legs(self, state: State) -> Legs:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return legs_of(self.robot, self._system(state))
+        return legs_of(self.robot, self.system(state))
 
     @on_branch
     def joint_accelerations(
@@ -139,8 +219,7 @@ class Model:
 
         Raises as `direct`.
         """
-        system, u, f = self._driven(state, forces, wrenches)
-        return by_leg(self.robot, assembly.joint_accelerations(self.robot, system, u, f))
+        return by_leg(self.robot, self._joints_moved(state, forces, wrenches)[1])
 
     @on_branch
     def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
@@ -148,8 +227,7 @@ class Model:
 
         Raises as `direct`.
         """
-        system, u, f = self._driven(state, forces, wrenches)
-        qdd = assembly.joint_accelerations(self.robot, system, u, f)
+        system, qdd, f = self._joints_moved(state, forces, wrenches)
         force, moment = zip(*assembly.joint_reactions(self.robot, system, qdd, f), strict=True)
         return Reactions(by_leg(self.robot, force, core=2), by_leg(self.robot, moment, core=2))
 
@@ -159,14 +237,14 @@ class Model:
 
         Raises InputError for a batch or a state off the closure, OutOfReach.
         """
-        x = reached(self.robot, self._single("state", self.flat(state)))
-        health = self._assembled(x)[1]
+        x = reached(self.robot, search.single("state", self.flat(state)))
+        health = examined(self.robot, x)[1]
         singular.check_reach(self.robot, health)
         singular.check_gaps(self.robot, health)
         return mobility(self.robot, x)
 
     @on_branch
-    def output_report(self, state: State, output: Output | None = None) -> "OutputReport":
+    def output_report(self, state: State, output: Output | None = None) -> OutputReport:
         """How well the actuators command an output about the equilibrium in a pose.
 
         The report gives the conditioning, what bending makes of the gains, and the poles of the
@@ -174,10 +252,8 @@ class Model:
 
         Raises InputError for a batch, and as `static` and `inverse` do.
         """
-        from parflex.zero_dynamics import output_report
-
-        self._single("state", self.flat(state))
-        return output_report(self, state, self._output(output))
+        search.single("state", self.flat(state))
+        return output_report(self, state, self._commanded(output))
 
     @on_branch
     def project(self, state: State) -> State:
@@ -188,7 +264,7 @@ class Model:
         Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
         at the given one.
         """
-        return self.state(self._projected(state))
+        return self.state(search.on_closure(self.robot, state))
 
     def pose(self, joints: ArrayLike, guess: State | None = None, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
@@ -198,17 +274,8 @@ class Model:
 
         Raises NotConverged where no pose is found from there.
         """
-        from parflex.statics import equilibrium
-
-        wanted = exactly("joints", joints, (self.robot.n_forces,))
-        if guess is not None and self.of(guess) is not self:
-            return self.of(guess).pose(joints, guess, sag)
-        x = self._guess(guess)
-        if not sag:
-            return self.state(geometry.pose(self, wanted, x))
-        N = self.robot.platform.modes
-        bent = lambda q_e: geometry.pose(self, wanted, np.concatenate([x[:13], q_e, x[13 + N :]]))  # noqa: E731
-        return self.state(equilibrium(self, bent)[0])
+        model = self.of(guess)
+        return model.state(search.pose(model.robot, joints, guess, sag))
 
     def poses(
         self, joints: ArrayLike, guess: State | None = None, starts: int = 200, seed: int = 0
@@ -218,12 +285,8 @@ class Model:
         Newton's method is started at the guess and at random about it; on the branches of the legs'
         inverse geometry that the robot states. An empty list says that none was found.
         """
-        wanted = exactly("joints", joints, (self.robot.n_forces,))
-        if guess is not None and self.of(guess) is not self:
-            return self.of(guess).poses(joints, guess, starts, seed)
-        x = self._guess(guess)
-        found = geometry.every_pose(self, wanted, x, integer("starts", starts, 1), seed)
-        return [self.state(one) for one in found]
+        model = self.of(guess)
+        return [model.state(x) for x in search.poses(model.robot, joints, guess, starts, seed)]
 
     def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
         """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
@@ -232,7 +295,8 @@ class Model:
 
         Raises NotConverged where the platform is too soft for a small deflection.
         """
-        return self.at_rest("position and rotation", State(position, rotation))
+        x, forces = search.at_rest(self, "position and rotation", State(position, rotation))
+        return self.state(x), forces
 
     def compiled(self, output: Output | None = None) -> Compiled:
         """The models on flat arrays, without allocation; one per thread.
@@ -240,57 +304,110 @@ class Model:
         The inverse model prescribes the output, all of V̇_p by default. Raises InputError for an
         output that the platform does not have.
         """
-        output = FrameOutput() if output is None else output
-        of_type("output", output, Output, "an")
-        output.check(self.robot.platform)
-        return Compiled(self, output)
+        return Compiled(self, self._output(output))
 
-    def function(self, build: Callable[..., Kernel], *chosen: object) -> Function:
-        """A kernel of `compiled.kernels`, compiled at first use."""
+    def function(self, build: Callable[..., Kernel], *chosen: object, at: Array | None = None) -> Function:
+        """What `build`, of `compiled.kernels` or `motions`, makes of the robot and of what else it takes.
+
+        A function of flat float arrays (…, n_i), compiled by the backend at first use and kept; for
+        parameters θ (…, P), by default the model's.
+        """
         with self._lock:
             key = (build, *chosen)
             if key not in self._functions:
-                kernel = build(self.robot, *chosen)
-                self._functions[key] = self.backend.compile(kernel)
-            return self._functions[key]
+                self._functions[key] = self.backend.compile(self._kernel(build, *chosen))
+            found = self._functions[key]
+        if not self._parameters.items:
+            return found
+        return At(found, self._theta if at is None else at)
 
-    def of(self, state: State) -> "Model":
-        """This model, or one on the assembly branch that a state names by its joints where the legs
-        have no posture."""
+    @on_branch
+    def system(self, state: State) -> System:
+        """The mechanics at a state or a batch of them: legs, platform, closure.
+
+        Raises InputError for a state off the closure, OutOfReach and SingularPose where a leg's inverse
+        geometry fails.
+        """
+        system, health = examined(self.robot, self.flat(state))
+        singular.check_health(self.robot, health)
+        return system
+
+    def of(self, state: State | None) -> "Model":
+        """This model, or one on the assembly branch that the joints of a state name.
+
+        They name the branches of legs without a posture.
+
+        Raises InputError where the joints are not those of the legs.
+        """
         if not isinstance(state, State) or state.joints is None:
             return self
-        closure.check_joints(self.robot, state)
-        numbers = other_branches(self.robot, state.joints)
-        if not numbers:
-            return self
-        with self._lock:
-            if numbers not in self._siblings:
-                sibling = Model(on_branches(self.robot, numbers, state.joints), self.backend.name)
-                sibling._origin = self
-                self._siblings[numbers] = sibling
-            return self._siblings[numbers]
+        return self.family.on(state)
 
     def is_of(self, other: "Model") -> bool:
         """Whether this is the other model, or one of its branches."""
-        return self is other or self._origin is other
-
-    def state(self, x: Array) -> State:
-        """The state of a flat vector; with all joints where they name the branch."""
-        found = unpack(x, self.robot.layout)
-        if self._origin is None:
-            return found
-        legs = legs_of(self.robot, self._assembled(np.asarray(x, dtype=float))[0])
-        return replace(found, joints=legs.q, joint_rates=legs.qd)
+        return self is other or self.family.first is other
 
     def flat(self, state: State) -> Array:
-        """The flat state (…, size); joints that it carries are closed by Newton's method."""
+        """The flat state (…, size); joints that it carries are closed by Newton's method.
+
+        Raises InputError where the state does not fit the robot, or its joints are on another branch.
+        """
         return closure.flat_state(self.robot, state)
 
+    def state(self, x: Array) -> State:
+        """The state of a flat vector (…, size); with all joints where they name the branch.
+
+        Raises InputError for a wrong length, values that are not finite, or a quaternion of length zero.
+        """
+        found = unpack(x, self.robot.layout)
+        if self.family.first is self:
+            return found
+        legs = legs_of(self.robot, examined(self.robot, np.asarray(x, dtype=float))[0])
+        return replace(found, joints=legs.q, joint_rates=legs.qd)
+
+    def check(self, x: Array, health: Array) -> None:
+        """Nothing where the flat state (…, size), whose `assembly.health` (…, h) is given, is one.
+
+        Raises OutOfReach and SingularPose where a leg's inverse geometry fails, InputError off the
+        closure, SingularPose where the closure loses a row.
+        """
+        singular.check_health(self.robot, health)
+        if not self.robot.closed:
+            singular.check_locking(self.robot, self.function(kernels.contact_matrix).run(x)[0])
+
+    def _kernel(self, build: Callable[..., Kernel], *chosen: object) -> Kernel:
+        """The kernel, which takes θ where the model has parameters."""
+        if not self._parameters.items:
+            return build(self.robot, *chosen)
+        if build is jacobians.parameter_jacobian:
+            return build(self._parameters, *chosen)
+        return parametrised(self._parameters, build, *chosen)
+
+    def _jacobian_inputs(
+        self, x: Array, state: State, wrenches: Sequence[Wrench], **argument: Array
+    ) -> tuple[Array, Array]:
+        """No generalised force, and single wrenches side by side (6 L,)."""
+        w = generalised_force(self.robot.platform, state, wrenches)
+        pushes = pushes_of(wrenches)
+        if pushes.ndim > 1:
+            raise InputError(f"wrenches are a batch {pushes.shape[:-1]}; derivatives take single ones")
+        broadcast_together(state=x, **argument)
+        return np.zeros(w.shape[-1]), pushes
+
+    def _values(self, parameters: Mapping[str, ArrayLike] | None) -> Array:
+        """θ (…, P), by default the model's."""
+        return self._theta if parameters is None else self._parameters.vector(parameters, self._theta)
+
     def _output(self, output: Output | None) -> Output:
-        """The output, all of V̇_p by default, checked against the robot."""
+        """The output, all of V̇_p by default, checked against the platform."""
         output = FrameOutput() if output is None else output
         of_type("output", output, Output, "an")
         output.check(self.robot.platform)
+        return output
+
+    def _commanded(self, output: Output | None) -> Output:
+        """The output, checked against the platform and the actuators."""
+        output = self._output(output)
         if self.robot.n_forces < output.size:
             raise InputError(
                 f"output asks for {output.size} accelerations, but the robot has "
@@ -298,84 +415,28 @@ class Model:
             )
         return output
 
-    def at_rest(self, name: str, state: State) -> tuple[State, Array]:
-        """The equilibrium at the pose of a state, the joints it names as a start."""
-        from parflex.statics import equilibrium
-
-        layout = self.robot.layout
-        pose = State(state.position, state.rotation, joints=state.joints)
-        start = self._single(name, self._projected(pose))
-        self.check(start, self.function(kernels.direct)(start, *self._nothing())[-1])
-        N = layout.modes
-
-        def bent(q_e: Array) -> Array:
-            held = np.concatenate([start[:13], q_e, start[13 + N :]])
-            return closure.projected(self.robot, unpack(held, layout))
-
-        x, forces = equilibrium(self, bent)
-        return self.state(x), forces
-
-    def _projected(self, state: State) -> Array:
-        """The flat state on the closure; where there is none, which leg does not reach."""
-        try:
-            return closure.projected(self.robot, state)
-        except NotConverged:
-            singular.check_legs(self.robot, self._assembled(self.flat(state))[1])
-            raise
-
-    def check(self, x: Array, health: Array) -> None:
-        """Raise where a flat state is none, or the closure loses a row there."""
-        singular.check_health(self.robot, health)
-        if not all(group.closed for group in self.robot.groups):
-            singular.check_locking(self.robot, self.function(kernels.contact_matrix)(x)[0])
-
-    def _guess(self, guess: State | None) -> Array:
-        """The flat state at rest to look for poses from, by default home."""
-        start = self.robot.home if guess is None else guess
-        of_type("guess", start, State)
-        return self._single("guess", closure.flat_state(self.robot, replace_twist(start)))
-
-    def _single(self, name: str, x: Array) -> Array:
-        if x.ndim > 1:
-            raise InputError(f"{name} is a batch {x.shape[:-1]}; give one state at a time")
-        return x
-
-    def _nothing(self) -> tuple[Array, Array]:
-        """No actuator forces and no loads."""
-        return np.zeros(self.robot.n_forces), np.zeros(6 + self.robot.platform.modes)
-
-    def _system(self, state: State) -> assembly.System:
-        """The mechanics at a checked state."""
-        system, health = self._assembled(self.flat(state))
-        singular.check_health(self.robot, health)
-        return system
-
-    def _assembled(self, x: Array) -> tuple[assembly.System, Array]:
-        """The mechanics at a flat state, and its health."""
-        with np.errstate(invalid="ignore", divide="ignore"):
-            system = assembly.assemble(self.robot, coordinates(x, self.robot.layout))
-            return system, assembly.health(system)
-
-    def _driven(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
-    ) -> tuple[assembly.System, Array, Array]:
-        """The mechanics at a state, the forces Γ (…, m), and the contact forces (…, 3k) they cause."""
-        self.direct(state, forces, wrenches)
-        x, u = self.flat(state), np.asarray(forces, dtype=float)
+    def _moved(
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Sequence[Wrench],
+        parameters: Mapping[str, ArrayLike] | None = None,
+    ) -> tuple[Array, Array, Acceleration]:
+        """The direct model: the flat state and the forces (…, m), checked, and what they cause."""
+        x = self.flat(state)
+        u = finite("forces", forces, (self.robot.n_forces,))
         w = generalised_force(self.robot.platform, state, wrenches)
-        return self._system(state), u, self.function(kernels.direct)(x, u, w)[2]
+        theta = self._values(parameters)
+        broadcast_together(state=x, forces=u, wrenches=w, parameters=theta)
+        Vd, qdd_e, f, health = self.function(kernels.direct, at=theta).run(x, u, w)
+        self.check(x, health)
+        singular.check_finite(Vd)
+        return x, u, Acceleration(Vd, qdd_e, f)
 
-
-def check_batch(x: Array, second: Array, w: Array, name: str, preload: Array | None = None) -> None:
-    """The leading axes of state, second argument, wrenches and preload must broadcast."""
-    shapes = {"state": x, name: second, "wrenches": w} | ({} if preload is None else {"preload": preload})
-    try:
-        np.broadcast_shapes(*(a.shape[:-1] for a in shapes.values()))
-    except ValueError:
-        said = ", ".join(f"{a.shape[:-1]} of {what}" for what, a in shapes.items())
-        raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None
-
-
-def replace_twist(state: State) -> State:
-    """The state at rest."""
-    return State(state.position, state.rotation, elastic=state.elastic, joints=state.joints)
+    def _joints_moved(
+        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
+    ) -> tuple[System, list[Array], Array]:
+        """The mechanics at a state, q̈ (…, L, n) of each group, and the contact forces (…, 3k)."""
+        x, u, (_, _, f) = self._moved(state, forces, wrenches)
+        system = examined(self.robot, x)[0]
+        return system, assembly.joint_accelerations(self.robot, system, u, f), f

@@ -6,12 +6,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from parflex.array import Array
+from parflex.array import Array, outer
 from parflex.errors import InputError
 
 if TYPE_CHECKING:
     from parflex.fe.accuracy import BasisError
     from parflex.fe.basis import Reduction
+    from parflex.fe.check_report import CheckReport
     from parflex.fe.material import Material
 
 
@@ -47,7 +48,8 @@ class Modes:
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
     corners are the node numbers held by default, `tool` is one more where there is one; `source` says
     what computed them, `notes` what a reader of results must know; `solid` are the elements of a solid,
-    `reduction` is the model that the modes were computed of, where it is at hand.
+    `reduction` is the model that the modes were computed of, where it is at hand. Of imported modes, ids
+    (K,) are the other program's node numbers and `report` is the check report.
     """
 
     nodes: Array
@@ -60,6 +62,8 @@ class Modes:
     corners: tuple[int, ...]
     source: str
     notes: tuple[str, ...] = ()
+    ids: tuple[int, ...] = ()
+    report: "CheckReport | None" = None
     tool: int | None = None
     solid: Solid | None = None
     reduction: "Reduction | None" = None
@@ -106,4 +110,16 @@ def shifted(old: Moments, o: Array) -> Moments:
         S=old.S,
         P1=old.P1 - old.S.T[:, :, None] * o,
         P2=old.P2,
+    )
+
+
+def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
+    """The integrals with a point mass m at r (3,), displaced by Φ (N, 3): they grow by m Φ Φᵀ."""
+    return Moments(
+        m=old.m + m,
+        MS0=old.MS0 + m * r,
+        P0=old.P0 + m * outer(r, r),
+        S=old.S + m * Phi.T,
+        P1=old.P1 + m * outer(Phi, r),
+        P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
     )

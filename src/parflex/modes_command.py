@@ -2,18 +2,20 @@
 
 import time
 from collections.abc import Callable
+from functools import partial
 from math import isnan, pi
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 import typer
 from rich.markup import escape
 from rich.table import Table
 
 from parflex.errors import InputError
+from parflex.import_command import Files, Nodes, Program, Units, imported
 from parflex.terminal import ImageFormat, Out, check_format, check_writable, console, step
 
-Make = Callable[[Any], Any]  # modes of a basis
+COARSER = 1.5  # a mesh to compare with
 
 
 def modes(
@@ -53,6 +55,10 @@ def modes(
     ] = None,
     free: Annotated[bool, typer.Option("--free", help="Free-free modes only, no attachment modes.")] = False,
     tolerance: Annotated[float, typer.Option(help="Of the basis, where --modes is not given.")] = 0.01,
+    program: Program = None,
+    file: Files = None,
+    units: Units = "",
+    node: Nodes = None,
     damping: Annotated[float, typer.Option(help="Damping ratio of all modes.")] = 0.0,
     out: Out = Path("parflex-modes"),
     image: ImageFormat = "png",
@@ -68,70 +74,117 @@ def modes(
     --density 2700`
 
     `parflex modes plate.step -a 0.2,0,0.01 -a -0.1,0.17,0.01 -a -0.1,-0.17,0.01 --tool 0,0,0.02`
+
+    `parflex modes --from nastran --file op2=plate.op2 --file bulk=plate.dat --units in-lbf --node 1 --node 11
+    --node 21`
     """
-    from parflex import plot
-    from parflex.fe import FreeFree, FreeFreeWithAttachment, mesh_from, outline_mesh
-    from parflex.files.body_file import write_modes
+    from parflex.fe import FreeFree, FreeFreeWithAttachment, outline_mesh, with_mesh_error
 
     check_format(image)
     material = {"young": young, "poisson": poisson, "density": density}
     joints = [numbers("--attach", text, 3) for text in attach or ()]
-    options: dict[str, Any] = {
-        "points": joints or None,
-        "tool": None if tool is None else numbers("--tool", tool, 3),
-        "radius": radius,
-    }
-    paper = source is None and corner is None and not hole
-    polygon = paper_corners() if corner is None else [numbers("--corner", text, 2) for text in corner]
+    places: dict[str, Any] = {"radius": radius, "tool": None if tool is None else numbers("--tool", tool, 3)}
+    outline = paper_corners() if corner is None else [numbers("--corner", text, 2) for text in corner]
     holes = [numbers("--hole", text, 3) for text in hole or ()]
+    paper = source is None and corner is None and not holes
+    if source is not None and (corner or holes):
+        raise InputError("--corner and --hole describe a plate; leave them out, or the file")
+    if source is not None and not joints:
+        raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
     check_writable(out)
     start = time.perf_counter()
-    make: Make
+    if program is not None or file or units or node:
+        if source is not None or corner or holes or tool or free:
+            raise InputError(
+                "--from imports modes; leave out what describes a body or basis of parflex's own"
+            )
+        step(start, "reading the files")
+        found = imported(program, file or [], units, count, node or [], joints, radius)
+        finish(found, (), out, None, damping, image, start)
+        return
+    step(start, "meshing")
     if source is not None:
-        if corner or hole:
-            raise InputError("--corner and --hole describe a plate; leave them out, or the file")
-        if not joints:
-            raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
-        step(start, f"reading {source}")
-        make = solid_maker(mesh_from(source, unit, size), material)
+        subject = of_file(source, unit, size, material)
     elif solid or holes:
-        step(start, "meshing the plate")
-        make = solid_maker(outline_mesh(polygon, thickness, holes, size=size), material)
-        if not joints:
-            options["points"] = [(x, y, 0.0) for x, y in polygon]
+        subject = of_solid(partial(outline_mesh, outline, thickness, holes), size, material)
     else:
-        make = plate_maker(polygon, thickness, material, refine)
+        subject = of_plate(outline, thickness, material, refine)
+    places["points"] = joints or ([(x, y, 0.0) for x, y in outline] if solid or holes else None)
     step(start, "computing the modes")
     if free or (paper and not joints):
-        found = make(FreeFree(10 if count is None else count, **options))
+        found = subject.modes(FreeFree(10 if count is None else count, **places))
     elif count is not None:
-        found = make(FreeFreeWithAttachment(count, **options))
+        found = subject.modes(FreeFreeWithAttachment(count, **places))
     else:
-        first = make(FreeFreeWithAttachment(1, **options))
-        found = make(first.converged(tolerance).reduction.basis)
-    report(found, published(paper, thickness, material))
-    file = write_modes(found, out / "modes.h5", origin=(0, 0, 0) if paper else None, damping_ratio=damping)
+        first = subject.modes(FreeFreeWithAttachment(1, **places))
+        found = subject.modes(first.converged(tolerance).reduction.basis)
+    if subject.coarse is not None:
+        step(start, "comparing with a coarser mesh")
+        found = with_mesh_error(found, subject.coarse())
+    origin = (0.0, 0.0, 0.0) if paper else None
+    finish(found, published(paper, thickness, material), out, origin, damping, image, start)
+
+
+def finish(
+    found: Any,
+    table_2: tuple[float, ...],
+    out: Path,
+    origin: tuple[float, ...] | None,
+    damping: float,
+    image: str,
+    start: float,
+) -> None:
+    """The report, the modal file, the picture."""
+    from parflex import plot
+    from parflex.files.body_file import write_modes
+
+    report(found, table_2)
+    file = write_modes(found, out / "modes.h5", origin=origin, damping_ratio=damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
-    console.print(f"[bold]{file}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True)
-    if len(found.frequencies):
+    console.print(
+        f"[bold]{escape(str(file))}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True
+    )
+    if len(found.frequencies) and len(found.triangles):
         step(start, "drawing the shapes")
-        plot.mode_shapes(found).savefig(out / f"modes.{image}")
-        console.print(f"shapes drawn in [bold]{out / f'modes.{image}'}[/]")
+        [picture] = plot.save({"modes": plot.mode_shapes(found)}, out, image)
+        console.print(f"shapes drawn in [bold]{escape(str(picture))}[/]")
 
 
-def solid_maker(mesh: Any, material: dict[str, float]) -> Make:
-    """Bases of a solid."""
+class Subject(NamedTuple):
+    """What modes are computed of: those of a basis, and the same body of larger elements, if there is one."""
+
+    modes: Callable[[Any], Any]
+    coarse: Callable[[], Any] | None
+
+
+def of_file(source: Path, unit: str | None, size: float | None, material: dict[str, float]) -> Subject:
+    """A STEP file, or a mesh, which has no coarser one."""
+    from parflex.fe import Material, mesh_from, solid_body, step_mesh
+
+    if source.suffix.lower() in (".step", ".stp"):
+        return of_solid(partial(step_mesh, source, unit=unit), size, material)
+    body = solid_body(mesh_from(source, unit, size), Material(**material))
+    return Subject(lambda basis: basis.modes(body), None)
+
+
+def of_solid(mesh_of: Callable[..., Any], size: float | None, material: dict[str, float]) -> Subject:
+    """What Netgen meshes."""
     from parflex.fe import Material, solid_body
 
-    body = solid_body(mesh, Material(**material))
-    return lambda basis: basis.modes(body)
+    mesh, made_of = mesh_of(size=size), Material(**material)
+    body = solid_body(mesh, made_of)
+    return Subject(
+        lambda basis: basis.modes(body), lambda: solid_body(mesh_of(size=COARSER * mesh.size), made_of)
+    )
 
 
-def plate_maker(polygon: Any, thickness: float, material: dict[str, float], refine: int | None) -> Make:
-    """Bases of a thin plate, with the change from a coarser mesh."""
+def of_plate(outline: Any, thickness: float, material: dict[str, float], refine: int | None) -> Subject:
+    """A thin plate, which brings the change from a coarser mesh itself."""
     from parflex.fe import plate_modes
 
-    return lambda basis: plate_modes(polygon, thickness, **material, n_modes=basis, refine=refine)
+    return Subject(
+        lambda basis: plate_modes(outline, thickness, **material, n_modes=basis, refine=refine), None
+    )
 
 
 def numbers(option: str, text: str, count: int) -> tuple[float, ...]:
@@ -157,7 +210,7 @@ def report(found: Any, table_2: tuple[float, ...]) -> None:
     for note in found.notes:
         console.print(f"[yellow]note[/] {escape(note)}")
     table = Table("check", "found", title=escape(found.source), title_justify="left")
-    for row in check_rows(found):
+    for row in check_rows(found) if found.report is None else found.report.rows():
         table.add_row(*map(escape, row))
     console.print(table)
 

@@ -98,9 +98,4 @@ def figures(paper: PaperRun, directory: Path, suffix: str = "png") -> list[Path]
     if len(modes.frequencies):
         drawn["modes"] = plot.mode_shapes(modes)
         drawn["table2_frequencies"] = plot.frequency_table(modes.frequencies, np.array(TABLE_2), notes)
-    directory.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for name, figure in drawn.items():
-        paths.append(directory / f"{name}.{suffix}")
-        figure.savefig(paths[-1])
-    return paths
+    return plot.save(drawn, directory, suffix)

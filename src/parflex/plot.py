@@ -1,8 +1,10 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
+from collections.abc import Mapping
 from io import StringIO
+from pathlib import Path
 from textwrap import wrap
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,13 +17,29 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 
 from parflex.array import Array
 from parflex.errors import InputError
+from parflex.files.writing import replacing
 from parflex.modes import Modes
 from parflex.result import Result
 from parflex.sketch import Sketch
 
+if TYPE_CHECKING:
+    from parflex.fe import Fields
+
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
 STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)))
+
+
+def save(figures: Mapping[str, Figure], folder: Path, suffix: str = "png") -> list[Path]:
+    """Write figures by name as `folder/name.suffix`, each whole or not at all; png, pdf or svg.
+
+    Raises InputError where one cannot be written.
+    """
+    paths = [folder / f"{name}.{suffix}" for name in figures]
+    for path, figure in zip(paths, figures.values(), strict=True):
+        with replacing(path) as part:
+            figure.savefig(part, format=suffix)
+    return paths
 
 
 def figure(width: float, height: float) -> Figure:
@@ -188,7 +206,9 @@ def energy(result: Result) -> Figure:
 def mode_shapes(modes: Modes, columns: int = 4) -> Figure:
     """A platform's modes, each scaled to its largest value: of a flat one the deflection, of a solid its
     bent surface."""
-    return flat_shapes(modes, columns) if np.ptp(modes.nodes[:, 2]) == 0 else solid_shapes(modes, columns)
+    flat = np.ptp(modes.nodes[:, 2]) == 0
+    bends = np.max(np.abs(modes.shapes[..., 2]), axis=1) > 0.5 * np.max(np.abs(modes.shapes), axis=(1, 2))
+    return flat_shapes(modes, columns) if flat and np.all(bends) else solid_shapes(modes, columns)
 
 
 def solid_shapes(modes: Modes, columns: int = 4) -> Figure:
@@ -211,12 +231,33 @@ def solid_shapes(modes: Modes, columns: int = 4) -> Figure:
         drawn.set_clim(0, 1)
         ax.add_collection3d(drawn)
         ax.scatter(*held.T, s=6, color="0.1", depthshade=False)
-        low, high = bent.min(axis=0), bent.max(axis=0)
+        middle = 0.5 * (bent.min(axis=0) + bent.max(axis=0))
+        half = np.maximum(0.5 * np.ptp(bent, axis=0), 0.02 * size)
+        low, high = middle - half, middle + half
         ax.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), zlim=(low[2], high[2]))
         ax.set_box_aspect(high - low, zoom=1.3)
         ax.set_axis_off()
         ax.set_title(f"mode {k + 1}, {modes.frequencies[k]:.0f} rad/s", fontsize=8, y=0.95)
     fig.suptitle("Modes of the platform (dots: joints; colour: displacement)", fontsize=9)
+    return fig
+
+
+def stress(modes: Modes, fields: "Fields", title: str = "") -> Figure:
+    """The surface of a bent solid, coloured by its von Mises stress at the nodes; its deformation is
+    exaggerated to 5 % of its size."""
+    fig = figure(6.4, 4.4)
+    ax: Any = fig.add_subplot(projection="3d")
+    bend = fields.displacement
+    size = float(np.max(np.ptp(modes.nodes, axis=0)))
+    scale = 0.05 * size / (float(np.max(np.linalg.norm(bend, axis=1))) or 1.0)
+    bent = modes.nodes + scale * bend
+    drawn = Poly3DCollection(bent[modes.triangles], cmap="inferno", edgecolor="none")
+    drawn.set_array(fields.mises[modes.triangles].mean(axis=1) * 1e-6)
+    ax.add_collection3d(drawn)
+    ax.scatter(*bent[list(modes.corners)].T, s=14, color=COLOURS[4], depthshade=False)
+    frame_axes(ax, bent)
+    fig.colorbar(drawn, ax=ax, shrink=0.6, pad=0.1).set_label("von Mises stress (MPa)", fontsize=8)
+    ax.set_title(", ".join(filter(None, (title, f"deformation × {scale:.0f}"))), fontsize=9, y=0.98)
     return fig
 
 
@@ -227,7 +268,7 @@ def flat_shapes(modes: Modes, columns: int = 4) -> Figure:
     rows = max(1, -(-count // columns))
     fig = figure(1.9 * columns + 0.8, 2.0 * rows + 0.4)
     panels = fig.subplots(rows, columns, squeeze=False)
-    image = None
+    image, rim = None, edges_of_one(modes.triangles)
     for k, ax in enumerate(panels.flat):
         ax.set_axis_off()
         if k >= count:
@@ -235,9 +276,10 @@ def flat_shapes(modes: Modes, columns: int = 4) -> Figure:
         mesh, w = smooth_deflection(modes, k)
         image = ax.tricontourf(mesh, w / np.max(np.abs(w)), np.linspace(-1, 1, 21), cmap="RdBu_r")
         ax.tricontour(mesh, w, [0.0], colors="0.3", linewidths=0.7)
-        outline = modes.nodes[[*modes.corners, modes.corners[0]], :2]
-        ax.plot(*outline.T, color="0.2", lw=0.8, clip_on=False)
-        ax.plot(*outline[0], "o", color="0.1", ms=4, clip_on=False)
+        for edge in rim:
+            ax.plot(*modes.nodes[edge, :2].T, color="0.2", lw=0.8, clip_on=False)
+        for node in modes.corners[:1]:
+            ax.plot(*modes.nodes[node, :2], "o", color="0.1", ms=4, clip_on=False)
         ax.set_aspect("equal")
         ax.set_title(f"mode {k + 1}\n{modes.frequencies[k]:.1f} rad/s", fontsize=8)
     if image is not None:
@@ -267,13 +309,21 @@ def shapes_of(result: Result, columns: int = 5) -> Figure:
     return fig
 
 
+def edges_of_one(triangles: Array) -> Array:
+    """The edges (E, 2) that one triangle alone has."""
+    every = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+    edges, count = np.unique(every, axis=0, return_counts=True)
+    return np.asarray(edges[count == 1])
+
+
 def smooth_deflection(modes: Modes, k: int) -> tuple[Triangulation, Array]:
     """The deflection of mode k between the nodes, from its values and slopes there."""
-    mesh = Triangulation(*modes.nodes[:, :2].T, modes.triangles)
-    w = modes.shapes[k, :, 2]
+    on, triangles = np.unique(modes.triangles, return_inverse=True)  # patches have nodes on no element
+    mesh = Triangulation(*modes.nodes[on, :2].T, triangles.reshape(-1, 3))
+    w = modes.shapes[k, on, 2]
     if modes.rotations is None:
         return mesh, w
-    slopes = (-modes.rotations[k, :, 1], modes.rotations[k, :, 0])
+    slopes = (-modes.rotations[k, on, 1], modes.rotations[k, on, 0])
     cubic = CubicTriInterpolator(mesh, w, kind="user", dz=slopes)
     fine, values = UniformTriRefiner(mesh).refine_field(w, cubic, subdiv=2)
     return fine, np.asarray(values)

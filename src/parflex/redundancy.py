@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.array import Array, mv
-from parflex.assembly import assemble
+from parflex.assembly import assembled
 from parflex.closure import ALL, POSE, closed, closure_matrix, displaced, flat_state, size_of, units
 from parflex.errors import OutOfReach
 from parflex.robot import Robot
-from parflex.state import coordinates
 
 DEPENDENT = 1e-7  # what is left of a unit row when the others are taken out
 STATES = 4
@@ -31,7 +30,7 @@ def closure_rows(robot: Robot) -> Rows:
     Raises OutOfReach where the legs do not meet the platform at home.
     """
     count = 3 * len(robot.tip_attachments)
-    if all(group.closed for group in robot.groups):
+    if robot.closed:
         kept = np.arange(count)
     else:
         kept = max((independent(G) for G in generic_matrices(robot)), key=len)
@@ -58,7 +57,7 @@ def generic_matrices(robot: Robot) -> list[Array]:
         x, gap = closed(robot, moved, POSE)
         if not gap <= 1e-9 * size:
             x = home
-        G = closure_matrix(assemble(robot, coordinates(x, robot.layout)))
+        G = closure_matrix(assembled(robot, x))
         found.append(G / np.linalg.norm(G, axis=-1, keepdims=True))
     return found
 

@@ -86,6 +86,11 @@ class Robot:
         return tuple(side_by_side(groups) for groups in gathered.values())
 
     @cached_property
+    def closed(self) -> bool:
+        """Whether every state is on the closure: each tip is where the platform has it by itself."""
+        return all(group.closed for group in self.groups)
+
+    @cached_property
     def layout(self) -> Layout:
         """What the flat state holds."""
         carried = [0] * len(self.legs)
@@ -104,6 +109,12 @@ class Robot:
         """The attachment each tip holds, in the order of the groups."""
         parts = [group.attachments.reshape(-1) for group in self.groups]
         return np.concatenate([np.zeros(0, dtype=int), *parts])
+
+    @cached_property
+    def held(self) -> Array:
+        """(attachments, tips): 1 where the tip holds the attachment."""
+        count = len(self.platform.attachments)
+        return (np.arange(count)[:, None] == self.tip_attachments).astype(float)
 
     @cached_property
     def force_order(self) -> Array:

@@ -19,7 +19,7 @@ from parflex.record import record
 from parflex.result import Result
 from parflex.singular import check_finite
 from parflex.state import State
-from parflex.stepping import SciPySteps, Stepper, Stuck
+from parflex.stepping import METHODS, SciPySteps, Stepper, Stuck
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -49,8 +49,12 @@ def simulate(
     atol: float = 1e-10,
     wrenches: Given = (),
     max_step: float | None = None,
+    method: str = "DOP853",
 ) -> Result:
-    """The motion from `state` on, at the times t (T,) s, by an eighth-order adaptive method.
+    """The motion from `state` on, at the times t (T,) s, by an adaptive method.
+
+    method is "DOP853", of eighth order and the quickest at every useful tolerance, "RK45", or for
+    modes that are stiff and heavily damped "Radau", which estimates the Jacobian by differences.
 
     Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,), which is called
     again at the output times; wrenches on platform nodes are constant, or a function of time. rtol
@@ -70,6 +74,8 @@ def simulate(
     positive("atol", atol)
     if positive("rtol", rtol) < SMALLEST_RTOL:
         raise InputError(f"rtol is {rtol}; below {SMALLEST_RTOL} round-off prevails")
+    if method not in METHODS:
+        raise InputError(f"method is {method!r}; choose one of {', '.join(METHODS)}")
     model = model.of(state)
     start = model.flat(state)
     if start.ndim != 1:
@@ -77,16 +83,18 @@ def simulate(
     law = as_law(model, forces_or_controller, Loads(model, wrenches))
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
-    run = integrate(law, start, times, tolerances, Closure(model))
+    run = integrate(law, start, times, method, tolerances, Closure(model))
     motion = law.at(run.t, run.x)
     if not run.stopped and not (np.all(np.isfinite(motion.forces)) and np.all(np.isfinite(motion.load))):
         run = run._replace(stopped="after the run: forces or wrenches failed when called for the record")
     trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
-    settings = {"integrator": "DOP853", **tolerances}
+    settings = {"integrator": method, **tolerances}
     return Result(lambda: record(model, run, motion, trajectory, settings), run.stopped)
 
 
-def integrate(law: Law, start: Array, times: Array, tolerances: dict[str, float], closure: "Closure") -> Run:
+def integrate(
+    law: Law, start: Array, times: Array, method: str, tolerances: dict[str, float], closure: "Closure"
+) -> Run:
     """The law's motion, put back on the closure again and again, read out at the output times."""
     y = np.concatenate([closure.first(start), np.zeros(WORKS)])
     law.watch(y[None, :-WORKS])
@@ -96,8 +104,8 @@ def integrate(law: Law, start: Array, times: Array, tolerances: dict[str, float]
         return np.concatenate(law.rate(t, y[:-WORKS]))
 
     rows, done, stopped, crawl = [y[None]], 1, "", (0, times[0])
-    stepper: Stepper = chunks(law, times[0], y, tolerances) or SciPySteps(
-        rate, times[0], y, times[-1], tolerances
+    stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
+        method, rate, times[0], y, times[-1], tolerances
     )
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:
@@ -136,7 +144,7 @@ class Closure:
 
     def __init__(self, model: "Model") -> None:
         self._model, self._robot = model, model.robot
-        self._open = not all(group.closed for group in model.robot.groups)
+        self._open = not model.robot.closed
         if self._open:
             function = model.function(kernels.projection)
             self._x, self._moved, self._health = (

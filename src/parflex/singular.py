@@ -37,7 +37,7 @@ def check_health(robot: Robot, health: Array) -> None:
 def check_gaps(robot: Robot, health: Array) -> None:
     """Raise InputError where a tip is not at its attachment, or leaves it."""
     gaps, start = health[..., MARGINS * len(robot.legs) :], 0
-    if np.max(np.abs(gaps), initial=0.0) <= OFF * min(1.0, size_of(robot)):
+    if gaps.size == 0 or np.max(np.abs(gaps)) <= OFF * min(1.0, size_of(robot)):
         return
     for group in robot.groups:
         if group.closed:
@@ -96,7 +96,7 @@ def check_legs(robot: Robot, health: Array) -> None:
 
 def check_finite(answer: Array) -> None:
     """Raise where the mechanics itself has no answer, though every leg is regular."""
-    if not np.all(np.isfinite(answer)):
+    if not np.isfinite(answer).all():
         where = index_of(~np.all(np.isfinite(answer), axis=-1))
         raise SingularPose(f"at the state{where}, {NO_INERTIA}")
 
@@ -152,9 +152,14 @@ def check_gain(robot: Robot, output: Output, x: Array, flexible: Array, rigid: A
     flexible and rigid (…, o m) are ∂output/∂Γ as it is and for a platform that does not bend. True
     in the result (…,) marks poses beyond a dynamic singularity: the two have opposite signs.
     """
-    rigid, flexible = by_rows(robot, output, rigid), by_rows(robot, output, flexible)
+    flexible, rigid = gains = by_rows(robot, output, np.stack([flexible, rigid]))
     mass = robot.platform.moments.m + sum(joint.M for leg in robot.legs for joint in leg.joints)
-    idle = mass * np.linalg.norm(rigid, axis=(-2, -1)) < SINGULAR
+    sizes = np.sqrt(np.sum(gains * gains, axis=(-2, -1)))
+    idle = mass * sizes[1] < SINGULAR
+    if output.size == robot.n_forces and not np.any(idle):
+        flexible_det, rigid_det = det = np.linalg.det(gains)
+        if np.all(smallest_ratio(det, sizes, output.size) > SINGULAR):
+            return flexible_det * rigid_det < 0
     if np.any(idle):
         raise SingularPose(
             f"pose{index_of(idle)}: no actuator moves the output at all, the legs hold the platform against "
@@ -177,6 +182,13 @@ def check_gain(robot: Robot, output: Output, x: Array, flexible: Array, rigid: A
         )
     every = output.size == min(6, robot.n_forces)
     return every & (np.linalg.det(gain_ratio(flexible, rigid)) < 0)
+
+
+def smallest_ratio(det: Array, size: Array, n: int) -> Array:
+    """What the `ratio` of n × n matrices is at least, by their determinants and Frobenius norms: the
+    product of the other singular values is at most (‖A‖²/(n − 1))^((n − 1)/2)."""
+    others = (size / np.sqrt(max(n - 1, 1))) ** (n - 1)
+    return np.abs(det) / (others * size)
 
 
 def spread(x: Array, *gains: Array) -> tuple[Array, ...]:

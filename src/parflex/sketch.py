@@ -5,10 +5,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from parflex.array import Array, mv
-from parflex.assembly import LegTerms, System, assemble
+from parflex.assembly import LegTerms, System
 from parflex.chain import tip_position
 from parflex.kinematics import position_in_world
-from parflex.state import State, coordinates
+from parflex.state import State
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -47,10 +47,8 @@ def sketch(model: "Model", state: State, scale: float | None = None) -> Sketch:
     scale exaggerates the deformation; by default the largest becomes 8 % of the platform's size.
     Raises OutOfReach and SingularPose where a leg's inverse geometry fails.
     """
-    model.legs(state)
-    body = model.robot.platform
-    x = coordinates(model.flat(state), model.robot.layout)
-    paths = leg_paths(assemble(model.robot, x))
+    system, body = model.system(state), model.robot.platform
+    x, paths = system.x, leg_paths(system)
     bend = np.einsum("n,nka->ka", x.elastic, body.shapes)
     scale = drawn_scale(body.nodes, bend) if scale is None else scale
     nodes = position_in_world(body.nodes + scale * bend, x)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -11,7 +12,7 @@ from numpy.typing import ArrayLike
 from parflex.array import Array, Given
 from parflex.check import finite, integer, of_type, rotation_matrix
 from parflex.errors import InputError
-from parflex.spatial import rotation_from_quaternion
+from parflex.spatial import quaternion_from_rotation, rotation_from_quaternion
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,15 +64,13 @@ class State:
         ]
         return State(*parts, *legs)
 
-    @property
+    @cached_property
     def batch(self) -> tuple[int, ...]:
         """The common leading axes."""
         legs = [(value, 1) for values in (self.joints, self.joint_rates) for value in values or ()]
-        shapes = [
-            np.shape(value)[: max(np.ndim(value) - core, 0)]
-            for value, core in (*self._arrays(), *legs)
-            if value is not None
-        ]
+        shapes = [value.shape[:-core] for value, core in (*self._arrays(), *legs) if value is not None]
+        if not any(shapes):
+            return ()
         try:
             return np.broadcast_shapes(*shapes)
         except ValueError:
@@ -170,22 +169,19 @@ def coordinates(x: Array, layout: Layout) -> Coordinates:
 
 def pack(state: State, layout: Layout) -> Array:
     """The flat state (…, size) of a checked state; carried joints that it does not name are zero."""
-    from scipy.spatial.transform import Rotation
-
     of_type("state", state, State)
-    batch = state.batch
-    rotation = np.asarray(state.rotation)
-    quaternion = Rotation.from_matrix(rotation.reshape(-1, 3, 3)).as_quat(scalar_first=True)
-    modes = layout.modes
+    batch, modes = state.batch, layout.modes
     parts: Sequence[tuple[Array, int]] = (
-        (np.asarray(state.position), 3),
-        (quaternion.reshape(rotation.shape[:-2] + (4,)), 4),
-        (np.asarray(state.twist), 6),
+        (state.position, 3),
+        (quaternion_from_rotation(state.rotation), 4),
+        (state.twist, 6),
         (elastic_vector("elastic", state.elastic, modes), modes),
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
         *carried_vectors(state.joints, layout),
         *carried_vectors(state.joint_rates, layout),
     )
+    if not batch:
+        return np.concatenate([part for part, _ in parts])
     return np.concatenate([np.broadcast_to(v, batch + (n,)) for v, n in parts], axis=-1)
 
 
@@ -212,7 +208,7 @@ def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:
 def carried_vectors(values: Any, layout: Layout) -> list[tuple[Array, int]]:
     """Carried joints of each leg, with their number."""
     if values is None:
-        return [(np.zeros(layout.carried), layout.carried)]
+        return [(np.zeros(layout.carried), layout.carried)] if layout.carried else []
     pairs = zip(values, layout.joints, strict=True)
     return [(value if count and value is not None else np.zeros(count), count) for value, count in pairs]
 

@@ -1,10 +1,8 @@
 """Static equilibrium under gravity: the platform bends until all forces balance."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.optimize import root
 
 from parflex import assembly
 from parflex.array import Array, block_diagonal, join, transpose
@@ -12,28 +10,28 @@ from parflex.assembly import System
 from parflex.errors import InputError, NotConverged
 from parflex.mobility import freed_twist, null_space, show, span
 from parflex.robot import Robot
-from parflex.state import coordinates
-
-if TYPE_CHECKING:
-    from parflex.model import Model
 
 
-def equilibrium(model: "Model", place: Callable[[Array], Array]) -> tuple[Array, Array]:
+def equilibrium(robot: Robot, place: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The flat state at rest, and the actuator forces (m,) that hold it.
 
     `place` gives the flat state for a bend q_e (N,). For a given bend, forces and moments balance
     linearly; the bend they cause is iterated on.
+
+    Raises InputError for a mode without stiffness, NotConverged where no forces hold the platform or
+    it is too soft for a small deflection.
     """
-    robot, modes = model.robot, model.robot.platform.modes
+    from scipy.optimize import root
+
+    modes = robot.platform.modes
     if modes and not np.all(robot.platform.stiffness > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
 
     def bend(q_e: Array) -> tuple[Array, Array]:
         flat = place(q_e)
-        x = coordinates(flat, robot.layout)
-        system = assembly.assemble(robot, x)
+        system = assembly.assembled(robot, flat)
         f, forces = balance(robot, system, flat)
-        load = system.W_e @ f + robot.platform.tables.S.T @ (x.rotation.T @ robot.gravity)
+        load = system.W_e @ f + robot.platform.tables.S.T @ (system.x.rotation.T @ robot.gravity)
         return load / robot.platform.stiffness, forces
 
     q_e = np.zeros(modes)

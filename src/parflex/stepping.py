@@ -4,10 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
-from scipy.integrate import DOP853
+from scipy import integrate
 
 from parflex.array import Array
 from parflex.errors import InputError
+
+METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
 
 
 class Stuck(Exception):
@@ -56,10 +58,11 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of SciPy's DOP853 at a time, of any function."""
+    """One step of one of SciPy's methods at a time, of any function."""
 
     def __init__(
         self,
+        method: str,
         rate: Callable[[float, Array], Array],
         t: float,
         y: Array,
@@ -67,7 +70,7 @@ class SciPySteps(Stepper):
         tolerances: dict[str, float],
     ) -> None:
         self._rate = RightHandSide(rate)
-        self._solver = DOP853(self._rate, t, y, end, **tolerances)
+        self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances)
         self.t, self.y, self.steps = t, self._solver.y, 0
 
     def advance(self, times: Array) -> Array:

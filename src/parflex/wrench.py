@@ -38,7 +38,9 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
     """
     of_type("state", state, State)
     q_e = elastic_vector("elastic", state.elastic, body.modes)
-    check_axes(state, all_of_type("wrenches", wrenches, Wrench))
+    if not all_of_type("wrenches", wrenches, Wrench):
+        return np.zeros(6 + body.modes)
+    check_axes(state, wrenches)
     check_nodes(body, wrenches)
     return pushed(body, places_of(wrenches), pushes_of(wrenches), np.asarray(state.rotation), q_e)
 

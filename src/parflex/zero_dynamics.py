@@ -6,20 +6,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parflex.array import Array
-from parflex.assembly import assemble
-from parflex.closure import (
-    ALL,
-    accelerated,
-    carried_part,
-    closure_matrix,
-    displaced,
-    size_of,
-    units,
-)
+from parflex.closure import ALL, accelerated, carried_part, displaced, size_of, units
 from parflex.compiled import kernels
-from parflex.mobility import null_space
+from parflex.mobility import null_space, scaled_closure
 from parflex.output import Output
 from parflex.robot import Robot
+from parflex.search import at_rest
 from parflex.singular import by_rows, check_gain, gain_ratio, ratio
 from parflex.state import State, coordinates
 
@@ -73,13 +65,12 @@ class OutputReport:
 def output_report(model: "Model", state: State, output: Output) -> OutputReport:
     """The report about the equilibrium in the pose of a state."""
     robot = model.robot
-    held, forces = model.at_rest("state", state)
-    x = model.flat(held)
+    x, forces = at_rest(model, "state", state)
     gains = model.function(kernels.gains, output)(x)
     check_gain(robot, output, x, *gains)
     flexible, rigid = (by_rows(robot, output, g) for g in gains)
     return OutputReport(
-        held,
+        model.state(x),
         forces,
         conditioning=1.0 / max(float(ratio(flexible)), np.finfo(float).tiny),
         gain_ratio=np.linalg.eigvals(gain_ratio(flexible, rigid)),
@@ -93,7 +84,7 @@ def zero_poles(model: "Model", x: Array, forces: Array, output: Output) -> Array
     By central differences of the inverse model, along the motions that keep closure and output.
     """
     robot, n = model.robot, model.robot.layout.carried
-    T = held_motions(model, x, output)
+    T = held_motions(model.robot, x, output)
     platform, joints = np.split(T, [6 + robot.layout.modes])
     kept = np.concatenate([platform, carried_part(robot, joints.T).T])
     steps = STEP * size_of(robot) * np.concatenate([T.T, -T.T])
@@ -114,16 +105,15 @@ def zero_poles(model: "Model", x: Array, forces: Array, output: Output) -> Array
     return np.sort_complex(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
 
 
-def held_motions(model: "Model", x: Array, output: Output) -> Array:
+def held_motions(robot: Robot, x: Array, output: Output) -> Array:
     """Motions (6 + N + n, d) that the closure allows and the output does not see."""
-    robot, N = model.robot, model.robot.layout.modes
-    c = coordinates(x, robot.layout)
+    c, N = coordinates(x, robot.layout), robot.layout.modes
     every = np.eye(6 + N)
     seen = output.linear(robot.platform, c, every[:6], every[6:])
-    G = closure_matrix(assemble(robot, c))
     blind = np.zeros((output.size, all_joints(robot)))
     scale = units(robot, ALL)
-    return scale[:, None] * null_space(np.vstack([G, np.hstack([seen, blind])]) * scale)
+    rows = np.hstack([seen, blind]) * scale
+    return scale[:, None] * null_space(np.vstack([scaled_closure(robot, x), rows]))
 
 
 def all_joints(robot: Robot) -> int:

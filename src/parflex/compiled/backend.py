@@ -1,6 +1,7 @@
 """What a backend is: it turns a kernel into something that runs on float arrays."""
 
 import math
+import threading
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 
@@ -10,6 +11,7 @@ from parflex.array import Array
 from parflex.compiled.kernels import Kernel
 
 Trigger = Callable[[], None]
+Workspace = tuple[list[Array], list[Array], Trigger]
 
 
 class Function(ABC):
@@ -24,6 +26,28 @@ class Function(ABC):
     def each(self, *inputs: Array) -> tuple[Array, ...]:
         """As a call, but nothing further is compiled to be quicker about it."""
         return self(*inputs)
+
+    def run(self, *inputs: Array) -> tuple[Array, ...]:
+        """As a call; quicker for single vectors (n_i,), which go by way of this thread's own."""
+        if any(a.ndim > 1 for a in inputs):
+            return self(*inputs)
+        arguments, results, trigger = self.workspace
+        for argument, given in zip(arguments, inputs, strict=True):
+            argument[:] = given
+        trigger()
+        return tuple(result.copy() for result in results)
+
+    @property
+    def workspace(self) -> Workspace:
+        """Inputs and outputs of this thread, and the call that goes from one to the other."""
+        own = self.__dict__.get("_own") or self.__dict__.setdefault("_own", threading.local())
+        if not hasattr(own, "workspace"):
+            arguments, results = (
+                [np.zeros(n) for n in sizes] for sizes in (self.kernel.inputs, self.kernel.outputs)
+            )
+            own.workspace = arguments, results, self.bind(arguments, results)
+        found: Workspace = own.workspace
+        return found
 
     @abstractmethod
     def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:

@@ -1,6 +1,7 @@
-"""An integrator that does not return to Python within a hundred steps: CyRK's DOP853 on machine code."""
+"""An integrator that does not return to Python within a hundred steps: CyRK's methods on machine code."""
 
 import ctypes
+from collections.abc import Sequence
 from functools import cache
 from typing import TYPE_CHECKING, Any
 
@@ -8,7 +9,9 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from parflex.array import Array
+from parflex.compiled.backend import Function
 from parflex.compiled.native import NativeFunction, addresses, engine, machine
+from parflex.compiled.parametrised import At
 from parflex.errors import InputError
 from parflex.legs.base import MARGINS
 from parflex.singular import SINGULAR
@@ -19,7 +22,7 @@ if TYPE_CHECKING:
 
 CHUNK = 100  # steps between two returns to Python: where Ctrl-C, progress and singularities are looked at
 DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as were allowed
-DOP853 = 5  # its number of the method
+NUMBERS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # of its methods
 MEMORY = 2000  # MB that a chunk may take
 
 # void rhs(dy, t, y, args, _): the flat state and the works follow from the kernel whose arrays are in
@@ -49,12 +52,13 @@ entry:
   %health = load ptr, ptr %w9
   %w10 = getelementptr i64, ptr %block, i64 10
   %refused = load ptr, ptr %w10
+  %w11 = getelementptr i64, ptr %block, i64 11
+  %p_dy = load ptr, ptr %w11
   store double %t, ptr %time
   store ptr %y, ptr %pointers
-  %p_dy = getelementptr ptr, ptr %pointers, i64 6
   store ptr %dy, ptr %p_dy
   %works = getelementptr double, ptr %dy, i64 %size
-  %p_works = getelementptr ptr, ptr %pointers, i64 7
+  %p_works = getelementptr ptr, ptr %p_dy, i64 1
   store ptr %works, ptr %p_works
   br label %seek
 seek:
@@ -113,16 +117,24 @@ class Chunks(Stepper):
     """A law that needs nobody's advice, integrated a hundred steps at a time."""
 
     def __init__(
-        self, law: "Law", function: NativeFunction, t: float, y: Array, tolerances: dict[str, float]
+        self,
+        law: "Law",
+        function: NativeFunction,
+        more: Sequence[Array],
+        method: int,
+        t: float,
+        y: Array,
+        tolerances: dict[str, float],
     ) -> None:
         self.t, self.y, self.steps = t, y.copy(), 0
-        self._law, self._function = law, function
+        self._method = method
+        self._law, self._function, self._inputs = law, function, [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
         self._starts = np.array(law.starts)
         self._rows = np.ascontiguousarray(law.rows, dtype=float)
         self._refused = np.full(len(y), np.nan)
-        self._pointers = addresses([*law.inputs, *law.results])
+        self._pointers = addresses([*self._inputs, *law.results])
         time, health = law.inputs[1], law.results[4]
         self._block = np.array(
             [
@@ -137,6 +149,7 @@ class Chunks(Stepper):
                 MARGINS * len(law.robot.legs),
                 health.ctypes.data,
                 self._refused.ctypes.data,
+                self._pointers[len(self._inputs) + 1 :].ctypes.data,
             ],
             dtype=np.uint64,
         )
@@ -147,7 +160,7 @@ class Chunks(Stepper):
         self._refused[:] = np.nan
         solver = cyrk()
         found = solver.solve(
-            driver()[1], self.t, times[-1], self.y.ctypes.data, size, DOP853, len(times), 0,
+            driver()[1], self.t, times[-1], self.y.ctypes.data, size, self._method, len(times), 0,
             self._args.ctypes.data, self._args.nbytes, CHUNK, MEMORY, False, times.ctypes.data, len(times),
             None, None, 0, self._rtol.ctypes.data, 1, self._atol.ctypes.data, 1, self._longest, 0.0, True,
         )  # fmt: skip
@@ -178,15 +191,19 @@ class Chunks(Stepper):
         return
 
 
-def chunks(law: "Law", t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
+def chunks(law: "Law", method: str, t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
     """The integrator for a law, where law, backend and machine allow it."""
-    if not law.alone or not isinstance(law.function, NativeFunction):
+    function: Function = law.function
+    more: list[Array] = []
+    if isinstance(function, At):
+        more, function = [function.theta], function.function
+    if not law.alone or not isinstance(function, NativeFunction):
         return None
     try:
         cyrk()
     except (ImportError, OSError):  # not installed, or not for this processor
         return None
-    return Chunks(law, law.function, t, y, tolerances)
+    return Chunks(law, function, more, NUMBERS[method], t, y, tolerances)
 
 
 @cache

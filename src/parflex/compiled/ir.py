@@ -1,13 +1,17 @@
-"""A CasADi graph as LLVM IR: straight-line code over one state, or over several per instruction.
+"""A program as LLVM IR: straight-line code over one state, or over several per instruction, and loops.
 
 Long graphs are cut into parts, functions that hand values on in memory, so that the time LLVM takes
 grows with their length and not faster.
 """
 
 from math import ceil
+from typing import NamedTuple
 
 import casadi
 import numpy as np
+
+from parflex.array import Array
+from parflex.compiled.loops import Loop, Program
 
 PART = 10_000  # operations of a function, at most
 ARITHMETIC = {
@@ -22,24 +26,47 @@ ARITY = {"sin": 1, "cos": 1, "atan2": 2}
 CONTRACT = "contract"  # a multiplication and an addition may become one instruction
 
 
-def module(graph: casadi.Function, lanes: int) -> str:
+class Places(NamedTuple):
+    """Where a loop's arguments and results lie in the scratch, in values, and how many it treats at once."""
+
+    arguments: int
+    results: int
+    lanes: int  # rows of the loop per instruction; 1 where the lanes are states
+    padded: int  # rows, up to whole instructions
+
+
+def module(program: Program, lanes: int, widest: int) -> str:
     """IR of `run(pointers, start, blocks)`.
 
     pointers holds the addresses of the graph's inputs (B, n_i), then of its outputs (B, m_i), rows
-    contiguous; `blocks` times `lanes` rows are computed from row `start` on.
+    contiguous; `blocks` times `lanes` rows are computed from row `start` on. Loops treat `widest` rows
+    at once where a block is one state.
     """
+    graph, size = program.graph, program.graph.sz_w()
+    places = []
+    for loop in program.loops:
+        wide = widest if lanes == 1 else 1
+        padded = wide * ceil(loop.rows / wide)
+        results = size + loop.shared + loop.columns * padded
+        places.append(Places(size, results, wide, padded))
+        size = results + loop.outputs * padded
     count = graph.n_instructions()
-    size = ceil(count / ceil(count / PART)) if count else 1
+    length = ceil(count / ceil(count / PART)) if count else 1
     last = last_uses(graph)
     literals: dict[int, str] = {}
+    starts = range(0, count, length)
     parts = [
-        Part(graph, lanes, literals).text(number, first, min(first + size, count), last)
-        for number, first in enumerate(range(0, count, size))
+        Main(program, lanes, places, literals).text(number, first, min(first + length, count), last)
+        for number, first in enumerate(starts)
     ]
-    vector = vector_type(lanes)
-    declared = [f"declare {vector} @llvm.sqrt.{suffix(lanes)}({vector})"]
+    widths = {lanes, *(place.lanes for place in places)}
+    declared = [f"declare {vector_type(n)} @llvm.sqrt.{suffix(n)}({vector_type(n)})" for n in sorted(widths)]
     declared += [f"declare double @{name}({', '.join(['double'] * n)})" for name, n in ARITY.items()]
-    return "\n".join([*declared, *parts, driver(graph.sz_w() * lanes, lanes, len(parts))])
+    loops = [
+        Body(loop, place, lanes, number).text()
+        for number, (loop, place) in enumerate(zip(program.loops, places, strict=True))
+    ]
+    return "\n".join([*declared, *loops, *parts, driver(size * lanes, lanes, len(parts))])
 
 
 def driver(scratch: int, lanes: int, parts: int) -> str:
@@ -83,119 +110,69 @@ def last_uses(graph: casadi.Function) -> dict[int, int]:
     return last
 
 
-class Part:
-    """The lines of one function; `values` maps the graph's work slots to IR values.
+class Code:
+    """Lines for instructions of a graph; `values` maps the graph's work slots to IR values.
 
-    What other parts computed is read from memory at first use; constants need no memory.
+    A subclass says how inputs are read and outputs written.
     """
 
-    def __init__(self, graph: casadi.Function, lanes: int, literals: dict[int, str]) -> None:
-        self.graph, self.lanes, self.literals = graph, lanes, literals
+    def __init__(self, graph: casadi.Function, lanes: int) -> None:
+        self.graph, self.lanes = graph, lanes
         self.type = vector_type(lanes)
         self.lines: list[str] = []
         self.values: dict[int, str] = {}
-        self.made: dict[int, int] = {}  # slots that this part filled, and the instruction
         self.count = 0
 
-    def text(self, number: int, first: int, end: int, last: dict[int, int]) -> str:
-        """The function of instructions first … end − 1."""
-        write = {casadi.OP_INPUT: self.load, casadi.OP_OUTPUT: self.store, casadi.OP_CONST: self.constant}
-        for k in range(first, end):
-            write.get(self.graph.instruction_id(k), self.compute)(k)
-        for slot, k in self.made.items():
-            if last.get(k, -1) >= end:
-                self.keep(slot)
-        head = f"define internal void @part{number}(ptr %pointers, i64 %row, ptr %scratch) noinline {{"
-        return "\n".join([head, *self.places(), *self.lines, "ret void", "}"])
+    def read(self, array: int, entry: int) -> str:
+        """The value of an entry of an input."""
+        raise NotImplementedError
 
-    def places(self) -> list[str]:
-        """Where the rows of inputs and outputs begin."""
-        graph, lines = self.graph, []
-        sizes = [graph.numel_in(i) for i in range(graph.n_in())]
-        sizes += [graph.numel_out(i) for i in range(graph.n_out())]
-        lines += [f"%row{lane} = add i64 %row, {lane}" for lane in range(self.lanes)]
-        for number, size in enumerate(sizes):
-            lines.append(f"%a{number} = getelementptr ptr, ptr %pointers, i64 {number}")
-            lines.append(f"%b{number} = load ptr, ptr %a{number}")
-            for lane in range(self.lanes):
-                place = f"ptr %b{number}, i64 %s{number}_{lane}"
-                lines.append(f"%s{number}_{lane} = mul i64 %row{lane}, {size}")
-                lines.append(f"%p{number}_{lane} = getelementptr double, {place}")
-        return lines
+    def write(self, array: int, entry: int, value: str) -> None:
+        """Store an entry of an output."""
+        raise NotImplementedError
 
-    def new(self, line: str) -> str:
-        """A fresh name for the value of a line."""
-        self.count += 1
-        self.lines.append(f"%v{self.count} = {line}")
-        return f"%v{self.count}"
+    def step(self, k: int) -> None:
+        """The lines of one instruction."""
+        op, graph = self.graph.instruction_id(k), self.graph
+        if op == casadi.OP_OUTPUT:
+            array, entry = graph.instruction_output(k)
+            self.write(array, entry, self.value(graph.instruction_input(k)[0]))
+        elif op == casadi.OP_INPUT:
+            array, entry = graph.instruction_input(k)
+            self.fill(k, self.read(array, entry))
+        elif op == casadi.OP_CONST:
+            self.constant(k)
+        else:
+            self.fill(k, self.computed(op, [self.value(slot) for slot in graph.instruction_input(k)]))
 
     def value(self, slot: int) -> str:
         """What the slot holds."""
-        if slot in self.literals:
-            return self.literals[slot]
-        if slot not in self.values:
-            self.values[slot] = self.new(f"load {self.type}, ptr {self.home(slot)}, align 8")
         return self.values[slot]
 
     def fill(self, k: int, value: str) -> None:
         """Note the value that an instruction gives its slot."""
-        slot = self.graph.instruction_output(k)[0]
-        self.literals.pop(slot, None)
-        self.values[slot], self.made[slot] = value, k
-
-    def keep(self, slot: int) -> None:
-        """Hand a slot on to later parts."""
-        self.lines.append(f"store {self.type} {self.values[slot]}, ptr {self.home(slot)}, align 8")
-
-    def home(self, slot: int) -> str:
-        """Where a slot lies in memory."""
-        return self.new(f"getelementptr double, ptr %scratch, i64 {slot * self.lanes}")
-
-    def load(self, k: int) -> None:
-        """One entry of an input, of all rows of the block."""
-        array, entry = self.graph.instruction_input(k)
-        value = "poison"
-        for lane in range(self.lanes):
-            place = self.new(f"getelementptr double, ptr %p{array}_{lane}, i64 {entry}")
-            value = self.inserted(value, self.new(f"load double, ptr {place}, align 8"), lane)
-        self.fill(k, value)
-
-    def store(self, k: int) -> None:
-        """One entry of an output."""
-        array, entry = self.graph.instruction_output(k)
-        value = self.value(self.graph.instruction_input(k)[0])
-        for lane in range(self.lanes):
-            one = self.extracted(value, lane)
-            start = f"%p{array + self.graph.n_in()}_{lane}"
-            place = self.new(f"getelementptr double, ptr {start}, i64 {entry}")
-            self.lines.append(f"store double {one}, ptr {place}, align 8")
+        self.values[self.graph.instruction_output(k)[0]] = value
 
     def constant(self, k: int) -> None:
         """A number, exactly."""
-        slot = self.graph.instruction_output(k)[0]
-        self.made.pop(slot, None)
-        self.values.pop(slot, None)
-        self.literals[slot] = self.number(self.graph.instruction_constant(k))
+        self.fill(k, self.number(self.graph.instruction_constant(k)))
 
-    def compute(self, k: int) -> None:
+    def computed(self, op: int, given: list[str]) -> str:
         """One operation."""
-        op, kind = self.graph.instruction_id(k), self.type
-        given = [self.value(slot) for slot in self.graph.instruction_input(k)]
+        kind = self.type
         if op in ARITHMETIC:
-            value = self.new(f"{ARITHMETIC[op]} {CONTRACT} {kind} {given[0]}, {given[1]}")
-        elif op in OF_ITSELF:
-            value = self.new(f"{OF_ITSELF[op]} {CONTRACT} {kind} {given[0]}, {given[0]}")
-        elif op == casadi.OP_INV:
-            value = self.new(f"fdiv {CONTRACT} {kind} {self.number(1.0)}, {given[0]}")
-        elif op == casadi.OP_NEG:
-            value = self.new(f"fneg {kind} {given[0]}")
-        elif op == casadi.OP_SQRT:
-            value = self.new(f"call {kind} @llvm.sqrt.{suffix(self.lanes)}({kind} {given[0]})")
-        elif op in LIBRARY:
-            value = self.called(LIBRARY[op], given)
-        else:
-            raise NotImplementedError(f"operation {op} of CasADi has no translation")
-        self.fill(k, value)
+            return self.new(f"{ARITHMETIC[op]} {CONTRACT} {kind} {given[0]}, {given[1]}")
+        if op in OF_ITSELF:
+            return self.new(f"{OF_ITSELF[op]} {CONTRACT} {kind} {given[0]}, {given[0]}")
+        if op == casadi.OP_INV:
+            return self.new(f"fdiv {CONTRACT} {kind} {self.number(1.0)}, {given[0]}")
+        if op == casadi.OP_NEG:
+            return self.new(f"fneg {kind} {given[0]}")
+        if op == casadi.OP_SQRT:
+            return self.new(f"call {kind} @llvm.sqrt.{suffix(self.lanes)}({kind} {given[0]})")
+        if op in LIBRARY:
+            return self.called(LIBRARY[op], given)
+        raise NotImplementedError(f"operation {op} of CasADi has no translation")
 
     def called(self, function: str, given: list[str]) -> str:
         """A function of the C library, lane by lane."""
@@ -204,6 +181,24 @@ class Part:
             arguments = ", ".join(f"double {self.extracted(v, lane)}" for v in given)
             value = self.inserted(value, self.new(f"call double @{function}({arguments})"), lane)
         return value
+
+    def new(self, line: str) -> str:
+        """A fresh name for the value of a line."""
+        self.count += 1
+        self.lines.append(f"%v{self.count} = {line}")
+        return f"%v{self.count}"
+
+    def place(self, base: str, offset: int | str) -> str:
+        """An address, so many doubles from another."""
+        return self.new(f"getelementptr double, ptr {base}, i64 {offset}")
+
+    def loaded(self, place: str, kind: str = "") -> str:
+        """What lies at an address."""
+        return self.new(f"load {kind or self.type}, ptr {place}, align 8")
+
+    def stored(self, value: str, place: str) -> None:
+        """Put a value at an address."""
+        self.lines.append(f"store {self.type} {value}, ptr {place}, align 8")
 
     def inserted(self, vector: str, value: str, lane: int) -> str:
         """The vector with one lane set."""
@@ -215,10 +210,176 @@ class Part:
         """One lane of a vector."""
         return vector if self.lanes == 1 else self.new(f"extractelement {self.type} {vector}, i32 {lane}")
 
+    def in_all_lanes(self, value: str) -> str:
+        """A vector of one number."""
+        if self.lanes == 1:
+            return value
+        first = self.inserted("poison", value, 0)
+        zeros = f"<{self.lanes} x i32> zeroinitializer"
+        return self.new(f"shufflevector {self.type} {first}, {self.type} poison, {zeros}")
+
     def number(self, value: float) -> str:
         """A constant, to the bit."""
-        word = f"0x{np.float64(value).view(np.uint64):016X}"
+        word = literal(value)
         return word if self.lanes == 1 else "<" + ", ".join([f"double {word}"] * self.lanes) + ">"
+
+
+class Main(Code):
+    """One part of the main graph.
+
+    What other parts computed is read from memory at first use; constants need no memory.
+    """
+
+    def __init__(self, program: Program, lanes: int, places: list[Places], literals: dict[int, str]) -> None:
+        super().__init__(program.graph, lanes)
+        self.loops, self.places, self.literals = program.loops, places, literals
+        self.made: dict[int, int] = {}  # slots that this part filled, and the instruction
+        self.first_result = self.graph.n_in() - len(self.loops)
+
+    def text(self, number: int, first: int, end: int, last: dict[int, int]) -> str:
+        """The function of instructions first … end − 1."""
+        for k in range(first, end):
+            self.step(k)
+        for slot, k in self.made.items():
+            if last.get(k, -1) >= end:
+                self.stored(self.values[slot], self.home(slot))
+        head = f"define internal void @part{number}(ptr %pointers, i64 %row, ptr %scratch) noinline {{"
+        return "\n".join([head, *self.rows(), *self.lines, "ret void", "}"])
+
+    def rows(self) -> list[str]:
+        """Where the rows of inputs and outputs begin."""
+        graph = self.graph
+        sizes = [graph.numel_in(i) for i in range(self.first_result)]
+        sizes += [graph.numel_out(i) for i in range(len(self.loops), graph.n_out())]
+        lines = [f"%row{lane} = add i64 %row, {lane}" for lane in range(self.lanes)]
+        for number, size in enumerate(sizes):
+            lines.append(f"%a{number} = getelementptr ptr, ptr %pointers, i64 {number}")
+            lines.append(f"%b{number} = load ptr, ptr %a{number}")
+            for lane in range(self.lanes):
+                place = f"ptr %b{number}, i64 %s{number}_{lane}"
+                lines.append(f"%s{number}_{lane} = mul i64 %row{lane}, {size}")
+                lines.append(f"%p{number}_{lane} = getelementptr double, {place}")
+        return lines
+
+    def read(self, array: int, entry: int) -> str:
+        if array >= self.first_result:
+            loop, place = (of[array - self.first_result] for of in (self.loops, self.places))
+            column, row = divmod(entry, loop.rows)
+            return self.loaded(self.at(place.results + column * place.padded + row))
+        value = "poison"
+        for lane in range(self.lanes):
+            one = self.loaded(self.place(f"%p{array}_{lane}", entry), "double")
+            value = self.inserted(value, one, lane)
+        return value
+
+    def write(self, array: int, entry: int, value: str) -> None:
+        if array < len(self.loops):
+            loop, place = self.loops[array], self.places[array]
+            column, row = divmod(entry - loop.shared, loop.rows)
+            where = entry if entry < loop.shared else loop.shared + column * place.padded + row
+            self.stored(value, self.at(place.arguments + where))
+            if entry == self.graph.numel_out(array) - 1:
+                self.lines.append(f"call void @loop{array}(ptr %scratch)")
+            return
+        number = array - len(self.loops) + self.first_result
+        for lane in range(self.lanes):
+            place_of = self.place(f"%p{number}_{lane}", entry)
+            self.lines.append(f"store double {self.extracted(value, lane)}, ptr {place_of}, align 8")
+
+    def value(self, slot: int) -> str:
+        if slot in self.literals:
+            return self.literals[slot]
+        if slot not in self.values:
+            self.values[slot] = self.loaded(self.home(slot))
+        return self.values[slot]
+
+    def fill(self, k: int, value: str) -> None:
+        slot = self.graph.instruction_output(k)[0]
+        self.literals.pop(slot, None)
+        self.values[slot], self.made[slot] = value, k
+
+    def constant(self, k: int) -> None:
+        slot = self.graph.instruction_output(k)[0]
+        self.made.pop(slot, None)
+        self.values.pop(slot, None)
+        self.literals[slot] = self.number(self.graph.instruction_constant(k))
+
+    def home(self, slot: int) -> str:
+        """Where a slot lies in memory."""
+        return self.at(slot)
+
+    def at(self, position: int) -> str:
+        """A place in the scratch."""
+        return self.place("%scratch", position * self.lanes)
+
+
+class Body(Code):
+    """A loop as a function of the scratch memory."""
+
+    def __init__(self, loop: Loop, place: Places, states: int, number: int) -> None:
+        super().__init__(loop.graph, place.lanes if states == 1 else states)
+        self.loop, self.where, self.states, self.number_of = loop, place, states, number
+
+    def text(self) -> str:
+        """The table of constants and the function."""
+        for k in range(self.graph.n_instructions()):
+            self.step(k)
+        name, step = f"table{self.number_of}", self.where.lanes
+        return "\n".join(
+            [
+                *self.constants(name),
+                f"define internal void @loop{self.number_of}(ptr %scratch) noinline {{",
+                "entry:",
+                "br label %body",
+                "body:",
+                "%row = phi i64 [0, %entry], [%next, %body]",
+                *self.lines,
+                f"%next = add i64 %row, {step}",
+                f"%more = icmp slt i64 %next, {self.loop.rows}",
+                "br i1 %more, label %body, label %done",
+                "done:",
+                "ret void",
+                "}",
+            ]
+        )
+
+    def constants(self, name: str) -> list[str]:
+        """The table, its columns up to whole instructions."""
+        table = self.loop.table
+        if not table.size:
+            return []
+        wide: Array = np.zeros((len(table), self.where.padded))
+        wide[:, : self.loop.rows] = table
+        words = ", ".join(f"double {literal(value)}" for value in wide.reshape(-1))
+        return [f"@{name} = internal constant [{wide.size} x double] [{words}], align 64"]
+
+    def read(self, array: int, entry: int) -> str:
+        if array == 0 and self.states == 1:
+            return self.in_all_lanes(self.loaded(self.at(self.where.arguments + entry), "double"))
+        if array == 0:
+            return self.loaded(self.at(self.where.arguments + entry))
+        if array == 1:
+            column = self.where.arguments + self.loop.shared + entry * self.where.padded
+            return self.loaded(self.at(column, by_row=True))
+        start = self.place(f"@table{self.number_of}", entry * self.where.padded)
+        place = self.place(start, "%row")
+        return self.loaded(place) if self.states == 1 else self.in_all_lanes(self.loaded(place, "double"))
+
+    def write(self, array: int, entry: int, value: str) -> None:
+        self.stored(value, self.at(self.where.results + entry * self.where.padded, by_row=True))
+
+    def at(self, position: int, by_row: bool = False) -> str:
+        """A place in the scratch, in the loop's present row or where all rows look."""
+        start = self.place("%scratch", position * self.states)
+        if not by_row:
+            return start
+        offset = "%row" if self.states == 1 else self.new(f"mul i64 %row, {self.states}")
+        return self.place(start, offset)
+
+
+def literal(value: float) -> str:
+    """A number, to the bit."""
+    return f"0x{np.float64(value).view(np.uint64):016X}"
 
 
 def vector_type(lanes: int) -> str:

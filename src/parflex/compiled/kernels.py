@@ -16,7 +16,6 @@ from parflex.closure import flat_state
 from parflex.output import Output
 from parflex.robot import Robot
 from parflex.spatial import quaternion_rate
-from parflex.state import coordinates
 
 
 @dataclass(frozen=True)
@@ -41,17 +40,12 @@ class Kernel:
         return [x, *(rng.normal(size=(count, n)) for n in self.inputs[1:])]
 
 
-def assembled(robot: Robot, x: Array) -> assembly.System:
-    """The robot at a flat state."""
-    return assembly.assemble(robot, coordinates(x, robot.layout))
-
-
 def direct(robot: Robot) -> Kernel:
     """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, health."""
     n, N, m, k = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         return (*dynamics.direct_of(robot, system, u, w), assembly.health(system))
 
     return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)), (robot,))
@@ -62,7 +56,7 @@ def inverse(robot: Robot, output: Output) -> Kernel:
     n, N, m, k = sizes(robot)
 
     def function(x: Array, target: Array, w: Array, preload: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         found = dynamics.inverse_of(robot, system, target, w, output, preload)
         return (found.forces, *found.acceleration, merged(found.gain), assembly.health(system))
 
@@ -80,7 +74,7 @@ def gains(robot: Robot, output: Output) -> Kernel:
     n, _, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        flexible, rigid = dynamics.gains(robot, assembled(robot, x), output)
+        flexible, rigid = dynamics.gains(robot, assembly.assembled(robot, x), output)
         return merged(flexible), merged(rigid)
 
     return Kernel("gains", function, (n,), (output.size * m, output.size * m), (robot, output))
@@ -92,7 +86,7 @@ def contact_matrix(robot: Robot) -> Kernel:
     kept = robot.rows.kept
 
     def function(x: Array) -> tuple[Array, ...]:
-        C = dynamics.contact_system(robot, assembled(robot, x), np.zeros(6 + N)).C
+        C = dynamics.contact_system(robot, assembly.assembled(robot, x), np.zeros(6 + N)).C
         return (merged(C[..., kept, :][..., kept]),)
 
     return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,), (robot,))
@@ -103,7 +97,7 @@ def derivative(robot: Robot) -> Kernel:
     n, N, m, _ = sizes(robot)
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         moved, powers, _ = motion_of(robot, system, x, u, w)
         return moved, powers, assembly.health(system)
 
@@ -140,7 +134,7 @@ def projection(robot: Robot) -> Kernel:
     n, N, _, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         contact = dynamics.contact_system(robot, system, np.zeros(6 + N))
         gap = join([np.zeros(0), *(merged(leg.gap) for leg in system.legs)])
         gap_rate = join([np.zeros(0), *(merged(leg.gap_rate) for leg in system.legs)])
@@ -162,7 +156,7 @@ def actuators(robot: Robot) -> Kernel:
     n, _, m, _ = sizes(robot)
 
     def function(x: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
 
     return Kernel("actuators", function, (n,), (m, m), (robot,))

@@ -11,7 +11,7 @@ import numpy as np
 
 from parflex import assembly, dynamics
 from parflex.array import Array, join, mtv, mv, transpose
-from parflex.compiled.kernels import Kernel, assembled, motion_of, sizes
+from parflex.compiled.kernels import Kernel, motion_of, sizes
 from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
@@ -77,7 +77,7 @@ def motion(name: str, robot: Robot, row_size: int, forces: Forces, places: Place
     n, N, m, k = sizes(robot)
 
     def function(x: Array, t: Array, row: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
-        system = assembled(robot, x)
+        system = assembly.assembled(robot, x)
         c = system.x
         u = forces(system, t[..., 0], row)
         load = w + pushed(robot.platform, places, pushes, c.rotation, c.elastic)

@@ -17,10 +17,12 @@ from parflex.compiled import cache as store
 from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
 from parflex.compiled.ir import module
 from parflex.compiled.kernels import Kernel
-from parflex.compiled.vm import VmFunction, trace
+from parflex.compiled.loops import program
+from parflex.compiled.reference import NumpyFunction
+from parflex.compiled.vm import VmFunction
 from parflex.progress import waiting
 
-AGREEMENT = 1e-9  # of code with the virtual machine, on a probe
+AGREEMENT = 1e-9  # of code with the reference, on a probe
 WIDE = 64  # rows from which on several share an instruction
 SHARED = 64  # blocks of rows from which on processors share them
 
@@ -38,7 +40,7 @@ class Code:
         self.sound = self._agrees(entry)
 
     def _agrees(self, entry: store.Entry) -> bool:
-        """Whether the code gives what the virtual machine gave when it was compiled."""
+        """Whether the code gives what the reference gave when it was compiled."""
         found = [np.full(a.shape, np.nan) for a in entry.outputs]
         self.run(addresses([*entry.inputs, *found]).ctypes.data, 0, len(entry.inputs[0]) // self.lanes)
         scales = [np.nanmax(np.abs(a), initial=1.0) for a in entry.outputs]
@@ -91,7 +93,7 @@ class NativeFunction(Function):
             return self._one
         with self._lock:
             if self._wide is None:
-                self._wide = code(self.kernel, lanes())
+                self._wide = code(self.kernel, widest())
             return self._wide
 
 
@@ -127,26 +129,22 @@ def code(kernel: Kernel, lanes: int) -> Code:
     entry = compiled(kernel, lanes)
     found = Code(entry, lanes)
     if not found.sound:
-        raise Unsound(f"machine code of the {kernel.name} model differs from the virtual machine's result")
+        raise Unsound(f"machine code of the {kernel.name} model differs from the reference")
     store.save(key, entry)
     return found
 
 
 class Unsound(Exception):
-    """Machine code that does not give what the virtual machine gives."""
+    """Machine code that does not give what the reference gives."""
 
 
 def compiled(kernel: Kernel, lanes: int) -> store.Entry:
-    """A kernel traced and compiled, with a probe and the virtual machine's answer to it."""
+    """A kernel traced and compiled, with a probe and the reference's answer to it."""
     with waiting(f"compiling the {kernel.name} model"):
-        graph = trace(kernel)
-        text = module(graph, lanes)
+        text = module(program(kernel), lanes, widest())
         object_code = machine().emit_object(llvm.parse_assembly(text))
     probe = kernel.probe(2 * lanes)
-    answers = [graph(*(a[i] for a in probe)) for i in range(2 * lanes)]
-    answers = [a if isinstance(a, tuple) else (a,) for a in answers]
-    outputs = [np.array([np.array(a[j]).reshape(-1) for a in answers]) for j in range(len(kernel.outputs))]
-    return store.Entry(object_code, probe, outputs)
+    return store.Entry(object_code, probe, list(NumpyFunction(kernel)(*probe)))
 
 
 def engine(code: bytes) -> llvm.ExecutionEngine:
@@ -173,7 +171,7 @@ def initialise() -> None:
 
 
 @cache
-def lanes() -> int:
+def widest() -> int:
     """Doubles in a vector register of this processor."""
     features = llvm.get_host_cpu_features()
     return 8 if features.get("avx512f") else 4 if features.get("avx") else 2
@@ -208,4 +206,4 @@ class NativeBackend(Backend):
 
     def version(self) -> str:
         version = ".".join(map(str, llvm.llvm_version_info))
-        return f"LLVM {version} (llvmlite {llvmlite.__version__}), {lanes()} states per instruction"
+        return f"LLVM {version} (llvmlite {llvmlite.__version__}), {widest()} states per instruction"

@@ -13,6 +13,7 @@ OP_ATAN2 = casadi.OP_ATAN2
 unary, binary = casadi.SX.unary, casadi.SX.binary  # five times as quick as the operators
 
 Number = Union["Symbol", float]
+NUMBER = (float, int, np.number)
 
 
 class Symbol:
@@ -26,6 +27,8 @@ class Symbol:
     def __add__(self, other: Number) -> "Symbol":
         if isinstance(other, Symbol):
             return Symbol(binary(OP_ADD, self.x, other.x))
+        if not isinstance(other, NUMBER):
+            return NotImplemented
         return self if other == 0 else Symbol(binary(OP_ADD, self.x, float(other)))
 
     __radd__ = __add__
@@ -36,6 +39,8 @@ class Symbol:
     def __sub__(self, other: Number) -> "Symbol":
         if isinstance(other, Symbol):
             return Symbol(binary(OP_SUB, self.x, other.x))
+        if not isinstance(other, NUMBER):
+            return NotImplemented
         return self if other == 0 else Symbol(binary(OP_SUB, self.x, float(other)))
 
     def __rsub__(self, other: float) -> "Symbol":
@@ -44,6 +49,8 @@ class Symbol:
     def __mul__(self, other: Number) -> Number:
         if isinstance(other, Symbol):
             return Symbol(binary(OP_MUL, self.x, other.x))
+        if not isinstance(other, NUMBER):
+            return NotImplemented
         if other == 0:
             return 0.0
         if other in (1, -1):
@@ -55,6 +62,8 @@ class Symbol:
     def __truediv__(self, other: Number) -> Number:
         if isinstance(other, Symbol):
             return Symbol(binary(OP_DIV, self.x, other.x))
+        if not isinstance(other, NUMBER):
+            return NotImplemented
         return self if other == 1 else Symbol(binary(OP_DIV, self.x, float(other)))
 
     def __rtruediv__(self, other: float) -> Number:

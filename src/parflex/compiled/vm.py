@@ -1,6 +1,5 @@
 """Backend "vm": kernels traced into CasADi graphs and run by its virtual machine."""
 
-import threading
 from collections.abc import Sequence
 
 import casadi
@@ -15,15 +14,19 @@ from parflex.singular import NO_INERTIA
 
 
 def trace(kernel: Kernel) -> casadi.Function:
-    """The CasADi graph of a kernel: the kernel itself, run on a batch of one state of symbols."""
+    """The CasADi graph of a kernel."""
+    inputs, outputs = traced(kernel)
+    return casadi.Function(kernel.name, inputs, outputs, {"cse": True})
+
+
+def traced(kernel: Kernel) -> tuple[list[casadi.SX], list[casadi.SX]]:
+    """The kernel itself, run on a batch of one state of symbols: inputs and outputs."""
     inputs = [symbols(f"i{i}", size) for i, size in enumerate(kernel.inputs)]
     try:
         outputs = kernel.function(*(array[None] for _, array in inputs))
     except ZeroDivisionError:  # a constant pivot of an inertia matrix
         raise SingularPose(f"at any state, {NO_INERTIA}") from None
-    return casadi.Function(
-        kernel.name, [sx for sx, _ in inputs], [vector(array) for array in outputs], {"cse": True}
-    )
+    return [sx for sx, _ in inputs], [vector(array) for array in outputs]
 
 
 class VmFunction(Function):
@@ -32,15 +35,10 @@ class VmFunction(Function):
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
         self.graph = trace(kernel)
-        self._workspace = threading.local()  # of the comfortable call: arguments, results, trigger
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         batch, rows = flat_batch(self.kernel, inputs)
-        if not hasattr(self._workspace, "own"):
-            arguments = [np.zeros(n) for n in self.kernel.inputs]
-            results = [np.zeros(n) for n in self.kernel.outputs]
-            self._workspace.own = arguments, results, self.bind(arguments, results)
-        arguments, results, trigger = self._workspace.own
+        arguments, results, trigger = self.workspace
         count = rows[0].shape[0]
         found = [np.empty((count, n)) for n in self.kernel.outputs]
         for i in range(count):

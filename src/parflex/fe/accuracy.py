@@ -4,6 +4,7 @@ Static compliance at the places under inertia relief, Fᵀ K⁺ F, and the frequ
 pinned at its joints, in all directions that are not negligibly stiff.
 """
 
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -109,6 +110,19 @@ def smallest(
             alone = next((m for m in fewer if good(list(range(m)))), None)
             return FreeFreeWithAttachment(n, *places) if alone is None else FreeFree(alone, *places)
     return None
+
+
+def with_mesh_error(modes: Modes, coarse: FreeBody) -> Modes:
+    """The same modes, with the change of the free–free ones' frequencies from a coarser mesh.
+
+    Raises InputError where their model is not at hand, or the coarser mesh cannot carry them.
+    """
+    if modes.reduction is None:
+        raise InputError("modes have no model at hand; compute them with a basis of pf.fe")
+    n = modes.reduction.basis.n
+    error = np.full(len(modes.frequencies), np.nan)
+    error[:n] = np.abs(np.sqrt(coarse.free_modes(n)[0][:n]) / modes.frequencies[:n] - 1.0)
+    return replace(modes, frequency_error=error)
 
 
 def attachments(every: Gram, squares: Array, n: int, truth: Truth, negligible: float) -> list[int]:

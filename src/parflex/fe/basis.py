@@ -53,7 +53,7 @@ class Basis(ABC):
     n free–free modes. points are the joints, node numbers or (k, 3) m, by default the body's corners;
     tool is one more place, where a wrench may act; on solids each is the patch of surface
     nodes within `radius` m (`joints.places`). Directions whose static compliance is below `negligible`
-    of the largest of their kind count as rigid.
+    of the largest at their place count as rigid.
     """
 
     n: int
@@ -97,8 +97,8 @@ class FreeFreeWithAttachment(Basis):
     """The n lowest free–free modes and residual attachment modes: for a platform held at its joints.
 
     One vector for each force direction at each joint and for each component of a wrench at the tool;
-    those that would add less than `negligible` of the largest compliance are left out, and named in the
-    notes.
+    those that would add less than `negligible` of the largest compliance of their kind there are left
+    out, and named in the notes.
     """
 
     def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:

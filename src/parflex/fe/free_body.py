@@ -137,9 +137,10 @@ class FreeBody:
             )
         values, vectors = self._lowest(wanted)
         if np.any(np.abs(values[:motions]) > RIGID * values[motions]) or values[motions] <= 0:
+            found = ", ".join(f"{value:.3g}" for value in values[: motions + 2])
             raise InputError(
                 f"the body is not free and in one piece: {motions} rigid modes were expected, then elastic "
-                f"ones; found ω² = {np.array2string(values[: motions + 2], precision=3)}. Remove "
+                f"ones; found ω² = {found}. Remove "
                 f"constraints, join parts that do not touch, and mend elements that are too slender"
             )
         return values[motions:], vectors[:, motions:]

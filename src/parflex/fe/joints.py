@@ -91,8 +91,21 @@ def at_nodes(body: FreeBody, names: list[str], wanted: Array) -> tuple[Place, ..
 
 def patches(body: FreeBody, names: list[str], wanted: Array, reach: float) -> tuple[Place, ...]:
     """The surface's nodes within reach of each point."""
-    surface = np.unique(body.triangles) if len(body.triangles) else np.arange(len(body.nodes))
-    tree = cKDTree(body.nodes[surface])
+    held = nodes_within(body.nodes, body.triangles, names, wanted, reach)
+    return tuple(
+        patch(body, name, point, near) for name, point, near in zip(names, wanted, held, strict=True)
+    )
+
+
+def nodes_within(
+    nodes: Array, triangles: Array, names: list[str], wanted: Array, reach: float
+) -> list[Array]:
+    """Numbers of the surface's nodes within reach (m) of each point, no node in two of them.
+
+    Raises InputError as `places` does.
+    """
+    surface = np.unique(triangles) if len(triangles) else np.arange(len(nodes))
+    tree = cKDTree(nodes[surface])
     held = []
     for name, point in zip(names, wanted, strict=True):
         distance, nearest = tree.query(point)
@@ -100,7 +113,7 @@ def patches(body: FreeBody, names: list[str], wanted: Array, reach: float) -> tu
         if len(near) == 0:
             raise InputError(
                 f"{name} at {point} is off the body: the nearest node of the surface, at "
-                f"{body.nodes[surface[nearest]]}, is {distance:.4g} m away; move it, or give a larger radius"
+                f"{nodes[surface[nearest]]}, is {distance:.4g} m away; move it, or give a larger radius"
             )
         if len(near) < FEWEST:
             raise InputError(
@@ -109,26 +122,28 @@ def patches(body: FreeBody, names: list[str], wanted: Array, reach: float) -> tu
             )
         held.append(np.sort(near))
     unshared(names, held)
-    return tuple(
-        patch(body, name, point, near) for name, point, near in zip(names, wanted, held, strict=True)
-    )
+    return held
 
 
 def patch(body: FreeBody, name: str, point: Array, near: Array) -> Place:
-    """The mean displacement and rotation of nodes, carried to the point.
+    """The mean displacement and rotation of nodes, carried to the point."""
+    carried, turn = mean_motion(body.nodes[near], point)
+    rows = (3 * near[:, None] + np.arange(3)).ravel()
+    chosen = body.displacement.tocsr()[rows]
+    return Place(name, point, None, sparse.csr_array(carried @ chosen), sparse.csr_array(turn @ chosen))
+
+
+def mean_motion(r: Array, point: Array) -> tuple[Array, Array]:
+    """Displacement at a point and rotation, (3, 3n) each, of nodes (n, 3) from their displacements.
 
     ū = mean u, θ = J⁻¹ Σ s × u with J = Σ (|s|² 1 − s sᵀ), s from the nodes' centre; u(p) = ū + θ × (p − c).
     """
-    r = body.nodes[near]
     centre = np.mean(r, axis=0)
     s = r - centre
     J = np.sum(s**2) * np.eye(3) - s.T @ s
     turn = np.linalg.pinv(J, rcond=1e-9) @ np.concatenate([skew(each) for each in s], axis=1)
-    mean = np.tile(np.eye(3) / len(near), len(near))
-    carried = mean - skew(point - centre) @ turn
-    rows = (3 * near[:, None] + np.arange(3)).ravel()
-    chosen = body.displacement.tocsr()[rows]
-    return Place(name, point, None, sparse.csr_array(carried @ chosen), sparse.csr_array(turn @ chosen))
+    mean = np.tile(np.eye(3) / len(r), len(r))
+    return mean - skew(point - centre) @ turn, turn
 
 
 def unshared(names: list[str], held: list[Array]) -> None:

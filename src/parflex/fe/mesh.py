@@ -37,6 +37,12 @@ class SolidMesh:
     notes: tuple[str, ...] = ()
 
     @cached_property
+    def size(self) -> float:
+        """The median edge, m."""
+        corner = self.nodes[self.elements[:, :4]]
+        return float(np.median(np.linalg.norm(corner[:, EDGES[:, 0]] - corner[:, EDGES[:, 1]], axis=-1)))
+
+    @cached_property
     def faces(self) -> Array:
         """The surface (F, 6): corners and the middles between them, outward."""
         every = self.elements[:, FACES].reshape(-1, 6)

@@ -30,10 +30,9 @@ class Static(NamedTuple):
         return np.asarray(self.loads.columns.T @ self.flexed)
 
     def soft(self, compliance: Array, negligible: float) -> Array:
-        """Which of these compliances (p,) are not negligible beside the largest of their kind."""
-        own, turning = np.diagonal(self.compliance), self.loads.turning
-        largest = np.where(turning, np.max(own[turning], initial=0.0), np.max(own[~turning], initial=0.0))
-        return np.asarray(compliance > negligible * largest)
+        """Which of these compliances (p,) are not negligible beside the largest of their kind there."""
+        own = np.diagonal(self.compliance).reshape(-1, 3)
+        return np.asarray(compliance > negligible * np.repeat(np.max(own, axis=1), 3))
 
 
 def static_response(body: FreeBody, held: tuple[Place, ...]) -> Static:

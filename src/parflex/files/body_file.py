@@ -53,6 +53,7 @@ MODAL = {
     "materials": (("material", "modulus"), "Pa, 1, kg m-3", "Young's modulus, Poisson's ratio, density"),
 }
 WHOLE = ("attachments", "triangles", "tool", "elements", "parts")
+OPTIONAL = ("rotation_shapes", "triangles")
 
 
 def write_modes(
@@ -158,6 +159,9 @@ def opened(path: Path) -> xr.Dataset:
         raise InputError(f"file is {path.name}, which is damaged or no modal file; write it again") from None
     if data.attrs.get("format") != FORMAT:
         raise InputError(f"file is {path.name}, which holds no platform of format {FORMAT!r}")
+    missing = [name for name in MOMENTS | FIELDS if name not in data and name not in OPTIONAL]
+    if missing:
+        raise InputError(f"file is {path.name}, which lacks {', '.join(missing)}; write it again")
     if data.attrs.get("checksum") != checksum(data):
         raise InputError(f"file is {path.name}, which was altered after it was written; write it again")
     return data

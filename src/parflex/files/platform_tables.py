@@ -10,13 +10,15 @@ from parflex.array import outer
 from parflex.body import FlexibleBody
 from parflex.errors import InputError
 from parflex.files.body_file import load_body
-from parflex.files.robot_schema import ModalTable, PolygonTable, RigidTable, SolidTable
+from parflex.files.robot_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import inertia_matrix
 
 WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 
 
-def platform(table: RigidTable | PolygonTable | SolidTable | ModalTable, folder: Path) -> FlexibleBody:
+def platform(
+    table: RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable, folder: Path
+) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
 
     Raises InputError that begins with the field's name.
@@ -24,6 +26,8 @@ def platform(table: RigidTable | PolygonTable | SolidTable | ModalTable, folder:
     try:
         if isinstance(table, ModalTable):
             return load_body(folder / table.file)
+        if isinstance(table, ImportedTable):
+            return imported(table, folder)
         if isinstance(table, SolidTable):
             return solid(table, folder)
         return plate(table) if isinstance(table, PolygonTable) else rigid(table)
@@ -58,6 +62,16 @@ def solid(table: SolidTable, folder: Path) -> FlexibleBody:
     else:
         found = FreeFreeWithAttachment(table.modes, *places).modes(body)
     return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
+
+
+def imported(table: ImportedTable, folder: Path) -> FlexibleBody:
+    """A body of another program's files, held at nodes or points; the check report is not printed."""
+    from parflex.fe import import_modes
+
+    files = {name: folder / path for name, path in table.files.items()}
+    places = (table.ids, table.points, table.radius)
+    modes = import_modes(table.program, files, table.units, table.modes, *places, say=lambda words: None)
+    return FlexibleBody.from_modes(modes, None, table.origin, table.damping_ratio)
 
 
 def rigid(table: RigidTable) -> FlexibleBody:

@@ -11,7 +11,7 @@ from parflex.files.leg_tables import chain, leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
 from parflex.files.robot_schema import HomeTable, RobotTable
-from parflex.files.standing import check_home, check_mobility, check_posture
+from parflex.files.standing import check_mobility, check_posture, joints_at_home
 from parflex.files.tables import rotation_matrix
 from parflex.robot import Robot
 from parflex.state import State
@@ -59,10 +59,10 @@ def check_standing(file: RobotFile) -> None:
     """Raise InputError, with the line, where the robot does not stand at its home pose: a leg that
     does not reach or is on another branch than its posture, too many freedoms, too few actuators."""
     reader, table, robot = file.reader, file.table, file.robot
-    reader.must(("home",), check_home, robot)
+    joints = reader.must(("home",), joints_at_home, robot)
     for number, row in enumerate(table.leg):
         where = ("leg", number, "posture") if row.posture else ("chain", row.chain, "posture")
-        reader.must(where, check_posture, robot, number)
+        reader.must(where, check_posture, robot.legs[number], number, joints[number])
     reader.must(() if table.mobility is None else ("mobility",), check_mobility, robot, table.mobility)
 
 

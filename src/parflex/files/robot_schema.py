@@ -1,6 +1,6 @@
 """The tables of a robot file, format "parflex-robot-1"."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -107,6 +107,35 @@ class SolidTable(Table):
     origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
 
 
+def group(value: Any) -> str:
+    """Whether a place is one node or a "patch" of several."""
+    return "patch" if isinstance(value, list) else "node"
+
+
+Node = Annotated[Annotated[Whole, Tag("node")] | Annotated[list[Whole], Tag("patch")], Discriminator(group)]
+
+
+class ImportedTable(Table):
+    """A platform from the files of a finite-element program."""
+
+    kind: Literal["imported"]
+    program: str = Field(description='"nastran", "calculix", "calculix-matrices", "matrices" or "arrays"')
+    files: dict[str, str] = Field(
+        description="relative to the robot file, by the names of the program's reader"
+    )
+    units: str = Field(description='of the files: "SI", "mm-tonne-s", "in-lbf" or others')
+    modes: Whole | None = Field(None, description="elastic modes to keep; by default all in the file")
+    ids: list[Node] | None = Field(
+        None, description="nodes that legs may hold, each a number or a list of them"
+    )
+    points: list[Point] | None = Field(None, description="or points, in the model's coordinates")
+    radius: Length | None = Field(None, description="of the patches of nodes around the points")
+    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
+    origin: Point | None = Field(
+        None, description="the platform frame's origin; by default the centre of mass"
+    )
+
+
 class RobotTable(Table):
     """A robot: a fixed base, legs, a platform."""
 
@@ -118,6 +147,6 @@ class RobotTable(Table):
     home: HomeTable = Field(description="the table [home] with position and rotation")
     chain: dict[str, ChainTable] = Field({}, description="chains by name")
     leg: list[LegTable] = Field([], description="legs, one [[leg]] each")
-    platform: RigidTable | PolygonTable | SolidTable | ModalTable = Field(
+    platform: RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable = Field(
         discriminator="kind", description="the table [platform]"
     )

@@ -2,26 +2,26 @@
 
 import numpy as np
 
+from parflex.array import Array
+from parflex.branches import turned
 from parflex.errors import InputError
+from parflex.legs import Leg
 from parflex.model import Model
 from parflex.robot import Robot
 
 FAR = 1.0  # rad, between a joint at home and in the posture that names its branch
 
 
-def check_home(robot: Robot) -> None:
-    """Raise InputError where a leg does not reach the platform at home."""
-    Model(robot, "numpy").legs(robot.home)
+def joints_at_home(robot: Robot) -> tuple[Array, ...]:
+    """Joint positions (n_i,) of each leg; raises InputError where one does not reach the platform."""
+    return Model(robot, "numpy").legs(robot.home).q
 
 
-def check_posture(robot: Robot, number: int) -> None:
-    """Raise InputError where a leg at home is on another branch than its posture."""
-    leg, q = robot.legs[number], Model(robot, "numpy").legs(robot.home).q[number]
+def check_posture(leg: Leg, number: int, q: Array) -> None:
+    """Raise InputError where a leg, with joints q (n,) at home, is on another branch than its posture."""
     if leg.posture is None:
         return
-    turns = np.array([1 - joint.sigma for joint in leg.joints])
-    apart = turns * np.abs(np.remainder(q - leg.posture + np.pi, 2 * np.pi) - np.pi)
-    if np.max(apart) > FAR:
+    if np.max(turned(leg, q, np.asarray(leg.posture))) > FAR:
         raise InputError(
             f"posture is {np.round(leg.posture, 3).tolist()}, but at home leg {number + 1} has joints "
             f"{np.round(q, 3).tolist()} (m, rad), on another assembly branch; give joint values near those "

@@ -9,6 +9,8 @@ from parflex.array import Given
 from parflex.check import all_of_type, exactly, integer, positive, rotation_matrix, scalar
 from parflex.errors import InputError
 
+NOT_NEGATIVE = ("M", "IA", "Fv", "Fs", "k")  # of a joint's numbers
+
 
 @dataclass(frozen=True, eq=False)
 class Joint:
@@ -55,7 +57,7 @@ class Joint:
                 raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
         for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA", "Fv", "Fs", "k", "q_0"):
             object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
-        for name in ("M", "IA", "Fv", "Fs", "k"):
+        for name in NOT_NEGATIVE:
             if getattr(self, name) < 0:
                 raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
         object.__setattr__(self, "v_s", positive("Joint.v_s", self.v_s))

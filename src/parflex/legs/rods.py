@@ -100,15 +100,12 @@ class Rods(LegType):
         for t, rod in enumerate(hung):
             w = self._along(group, tips[..., t, :], rod, c, s, length)
             v_1 = turned(mtv(R_01, v[..., t, :]), c, -s)
+            along = mv(rod.R, w)
             if t == 0:
-                along = mv(rod.R, w)
                 lever = along if slides else cross(rod.elbow, along)
                 rates[0] = dot(along, v_1) / lever[..., 2]
-            place = rod.elbow + mv(rod.R, w)
-            carried = (
-                [0.0, 0.0, rates[0]] if slides else [-rates[0] * place[..., 1], rates[0] * place[..., 0], 0.0]
-            )
-            wd = mtv(rod.R, v_1 - stack(carried))
+            travel = E_Z if slides else cross(E_Z, rod.elbow + along)
+            wd = mtv(rod.R, v_1 - rates[0][..., None] * travel)
             radius = np.sqrt(w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1])
             ca, sa = w[..., 0] / radius, w[..., 1] / radius
             rates[rod.first] = (ca * wd[..., 1] - sa * wd[..., 0]) / radius

@@ -11,12 +11,11 @@ from parflex.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import together, tube
 from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
-from parflex.robots.rings import plate, ring, standing
+from parflex.robots.rings import THIRDS, plate, ring, standing
 
 SOURCE = "topology: Clavel 1988; parameters our own"
 
 BASE_RADIUS = 0.25  # m
-AROUND = (0, 120, 240)  # degrees: the arms
 SIDE = 0.15  # m, of the hexagonal plate; two rods hold the ends of every other side
 PLATFORM = (-30, 30, 90, 150, 210, 270)  # degrees: the corners of the plate
 ARM, ROD = 0.35, 0.80  # m
@@ -56,7 +55,7 @@ def links() -> tuple[Joint, ...]:
 
 def leg(number: int) -> Leg:
     """One of three equal legs, its knee outside."""
-    rotation, origin = standing(BASE_RADIUS, AROUND[number])
+    rotation, origin = standing(BASE_RADIUS, THIRDS[number])
     tips = tuple(Tip(frame, (ROD, 0, 0), 2 * number + i) for i, frame in enumerate((3, 5)))
     return Leg(rotation, origin, links(), tips, posture=(0.3, 1.8, 0.0, 1.8, 0.0))
 

@@ -13,6 +13,7 @@ from parflex.legs import Joint, Leg, Tip
 from parflex.modes import Modes
 from parflex.robot import Robot
 from parflex.robots.entry import Entry
+from parflex.robots.rings import ring
 from parflex.spatial import rotation_about_z
 
 # Table 1: sigma, mu, alpha (rad) of joints 1, 2, 3; b = theta = r = 0 and gamma = d = 0 but for
@@ -83,8 +84,7 @@ MOVES = (
 
 def corners() -> Array:
     """p_1 … p_6 (6, 2) m in Σp, at −120°, −60°, 0°, 60°, 120°, 180°."""
-    angle = np.radians(np.arange(-120.0, 181.0, 60.0))
-    return SIDE * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+    return ring(SIDE, range(-120, 181, 60))
 
 
 def base_frames() -> list[tuple[Array, Array]]:

@@ -11,13 +11,11 @@ from parflex.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import box
 from parflex.robots.materials import ALUMINIUM, STEEL
-from parflex.robots.rings import plate, ring, standing
+from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 SOURCE = "topology: Carretero, Podhorodeski, Nahon and Gosselin 2000; columns upright, parameters our own"
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.50, 0.30  # m
-AROUND = (0, 120, 240)  # degrees: the columns, and the short sides of the plate, held in their middles
-PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
 ROD = 0.45  # m
 HOME = (0.0, 0.0, 0.70)  # m over the feet of the columns
 PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
@@ -36,12 +34,7 @@ MOVES = (
 
 def corners() -> Array:
     """The corners (6, 2) m of the plate, a triangle without its tips."""
-    return ring(PLATFORM_RADIUS, PLATFORM)
-
-
-def held() -> Array:
-    """The middles (3, 2) m of its short sides, one per leg."""
-    return corners().reshape(3, 2, 2).mean(axis=1)
+    return cut_triangle(PLATFORM_RADIUS)
 
 
 def links() -> tuple[Joint, ...]:
@@ -54,7 +47,7 @@ def links() -> tuple[Joint, ...]:
 
 def leg(number: int) -> Leg:
     """One of three equal legs, its x inwards; the rod rises from its carriage."""
-    rotation, origin = standing(BASE_RADIUS, AROUND[number], turn=180.0)
+    rotation, origin = standing(BASE_RADIUS, THIRDS[number], turn=180.0)
     return Leg(rotation, origin, links(), (Tip(2, (ROD, 0, 0), number),), posture=(0.3, -1.0))
 
 
@@ -64,8 +57,9 @@ def prs3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your
     own replaces the plate; it needs three attachments. Parameters are invented but realistic.
     """
-    body = plate(corners(), modes, damping_ratio, held(), **PLATE) if platform is None else platform
-    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+    if platform is None:
+        platform = plate(corners(), modes, damping_ratio, short_sides(corners()), **PLATE)
+    return Robot(tuple(leg(number) for number in range(3)), platform, home_pose=(HOME, np.eye(3)))
 
 
 ENTRY = Entry("3-PRS", prs3, OUTPUT, MOVES, SOURCE)

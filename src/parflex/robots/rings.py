@@ -9,11 +9,23 @@ from parflex.array import Array
 from parflex.body import FlexibleBody
 from parflex.spatial import rotation_about_z
 
+THIRDS = (0, 120, 240)  # degrees
+
 
 def ring(radius: float, degrees: Sequence[float]) -> Array:
     """Points (n, 2) m on a circle."""
     angle = np.radians(degrees)
     return radius * np.stack([np.cos(angle), np.sin(angle)], axis=-1)
+
+
+def cut_triangle(radius: float) -> Array:
+    """The corners (6, 2) m of a triangle without its tips; its short sides face `THIRDS`."""
+    return ring(radius, [middle + aside for middle in THIRDS for aside in (-20, 20)])
+
+
+def short_sides(corners: Array) -> Array:
+    """The middles (3, 2) m of the short sides of a cut triangle."""
+    return corners.reshape(3, 2, 2).mean(axis=1)
 
 
 def standing(radius: float, degrees: float, turn: float = 0.0) -> tuple[Array, Array]:

@@ -11,13 +11,11 @@ from parflex.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import tube
 from parflex.robots.materials import STEEL
-from parflex.robots.rings import plate, ring, standing
+from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 SOURCE = "topology: Hunt 1983; Lee and Shah 1988; parameters our own"
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
-AROUND = (0, 120, 240)  # degrees: the hinges, and the short sides of the plate, held in their middles
-PLATFORM = (-20, 20, 100, 140, 220, 260)  # degrees: the corners of the plate
 HOME = (0.0, 0.0, 0.65)  # m
 PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
 
@@ -35,12 +33,7 @@ MOVES = (
 
 def corners() -> Array:
     """The corners (6, 2) m of the plate, a triangle without its tips."""
-    return ring(PLATFORM_RADIUS, PLATFORM)
-
-
-def held() -> Array:
-    """The middles (3, 2) m of its short sides, one per leg."""
-    return corners().reshape(3, 2, 2).mean(axis=1)
+    return cut_triangle(PLATFORM_RADIUS)
 
 
 def links() -> tuple[Joint, ...]:
@@ -53,7 +46,7 @@ def links() -> tuple[Joint, ...]:
 
 def leg(number: int) -> Leg:
     """One of three equal legs."""
-    rotation, origin = standing(BASE_RADIUS, AROUND[number])
+    rotation, origin = standing(BASE_RADIUS, THIRDS[number])
     return Leg(rotation, origin, links(), (Tip(2, attachment=number),))
 
 
@@ -63,8 +56,9 @@ def rps3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your
     own replaces the plate; it needs three attachments. Parameters are invented but realistic.
     """
-    body = plate(corners(), modes, damping_ratio, held(), **PLATE) if platform is None else platform
-    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+    if platform is None:
+        platform = plate(corners(), modes, damping_ratio, short_sides(corners()), **PLATE)
+    return Robot(tuple(leg(number) for number in range(3)), platform, home_pose=(HOME, np.eye(3)))
 
 
 ENTRY = Entry("3-RPS", rps3, OUTPUT, MOVES, SOURCE)

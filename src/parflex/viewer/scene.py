@@ -189,6 +189,7 @@ def bounds_of(data: xr.Dataset, body: Platform, legs: Legs | None) -> Array:
     """The box (2, 3) m about the platform and the legs during the run."""
     corners = body.nodes[[*np.argmin(body.nodes, axis=0), *np.argmax(body.nodes, axis=0)]]
     places = data["position"].values[:, None] + np.einsum("tij,kj->tki", data["rotation"].values, corners)
-    points = [places.reshape(-1, 3), *([legs.points.reshape(-1, 3)] if legs else [])]
+    below = places.reshape(-1, 3) - [0.0, 0.0, 0.12 * body.size]  # where bending is drawn larger
+    points = [places.reshape(-1, 3), below, *([legs.points.reshape(-1, 3)] if legs else [])]
     every = np.concatenate(points)
     return np.stack([every.min(axis=0), every.max(axis=0)])

@@ -56,7 +56,7 @@ def routines(robot: Robot, output: Output) -> tuple[Routine, ...]:
             closure=False,
         ),
     )
-    if all(group.closed for group in robot.groups):
+    if robot.closed:
         return found
     projection = Routine(
         in_leg_order(kernels.projection(robot), health=1),

@@ -1,0 +1,99 @@
+"""Kernels that take the robot's parameters θ (P,) as one more, last input; and such ones at given θ."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from parflex.array import Array
+from parflex.compiled.backend import Function, Trigger
+from parflex.compiled.kernels import Kernel
+from parflex.designs import placed
+from parflex.parameters import Parameters
+
+Build = Callable[..., Kernel]
+
+
+@dataclass(frozen=True)
+class Parametrised(Kernel):
+    """A kernel whose last input is θ (…, P)."""
+
+    own: Array  # θ of the robot itself
+
+    def probe(self, count: int) -> list[Array]:
+        """As of any kernel, with parameters near the robot's own."""
+        *inputs, _ = super().probe(count)
+        more = np.random.default_rng(1).uniform(0.0, 1e-2, (count, len(self.own)))
+        return [*inputs, self.own + more * np.where(self.own == 0, 0.1, self.own)]
+
+
+def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kernel:
+    """What `build` makes of the robot and of what else it takes, for any θ."""
+    plain = build(parameters.first, *chosen)
+
+    def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
+        return build(placed(parameters, theta), *chosen).function
+
+    return for_any(parameters, plain, at)
+
+
+def for_any(parameters: Parameters, plain: Kernel, at: Callable[[Array], Callable[..., Any]]) -> Kernel:
+    """The kernel whose function for θ (P,) is `at(θ)`, otherwise like a plain one."""
+
+    def function(*inputs: Array) -> tuple[Array, ...]:
+        *given, theta = inputs
+        if len(theta) == 1:
+            only: tuple[Array, ...] = at(theta[0])(*given)
+            return only
+        designs, which = np.unique(theta, axis=0, return_inverse=True)
+        found = [np.empty((len(theta), n)) for n in plain.outputs]
+        for i, design in enumerate(designs):
+            rows = which == i
+            for whole, part in zip(found, at(design)(*(a[rows] for a in given)), strict=True):
+                whole[rows] = part
+        return tuple(found)
+
+    return Parametrised(
+        plain.name,
+        function,
+        (*plain.inputs, parameters.size),
+        plain.outputs,
+        (*plain.subject, parameters.names),
+        parameters.own,
+    )
+
+
+class At(Function):
+    """A parametrised function at given θ (…, P), called like one that has none."""
+
+    def __init__(self, function: Function, theta: Array) -> None:
+        self.function, self.theta = function, theta
+
+    @cached_property
+    def kernel(self) -> Kernel:  # type: ignore[override]
+        """The kernel without its last input."""
+        whole = self.function.kernel
+
+        def function(*inputs: Array) -> tuple[Array, ...]:
+            batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
+            return whole.function(*inputs, np.broadcast_to(self.theta, batch + self.theta.shape[-1:]))
+
+        return Kernel(whole.name, function, whole.inputs[:-1], whole.outputs, whole.subject)
+
+    def at(self, theta: Array) -> "At":
+        """The same function at other parameters."""
+        return At(self.function, theta)
+
+    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.function(*inputs, self.theta)
+
+    def run(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.function.run(*inputs, self.theta)
+
+    def each(self, *inputs: Array) -> tuple[Array, ...]:
+        return self.function.each(*inputs, self.theta)
+
+    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
+        return self.function.bind([*inputs, self.theta], outputs)
