@@ -7,6 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from verification import pytest_assertion_pass, pytest_sessionfinish  # noqa: F401 - hooks
 
 MODES = (0, 1, 10, 40)  # rigid, one, the paper's, many
 

@@ -218,6 +218,51 @@ def test_complaints_about_files_are_one_line_each(parflex, tmp_path):
     assert 'is "0.7 kg", which is not a length' in second
 
 
+def test_newcomers_are_greeted_with_three_commands(parflex):
+    code, out, err = parflex()
+    assert code == 0, err
+    for line in (
+        "parflex paper",
+        "parflex view parflex-paper/result.nc",
+        "parflex init",
+        "--install-completion",
+    ):
+        assert line in out
+    assert len(out.splitlines()) <= 12
+
+
+def test_nearest_names(parflex, tmp_path):
+    _, _, err = parflex("papper")
+    assert "Did you mean 'paper'?" in err
+    (tmp_path / "result.nc").write_text("")
+    code, _, err = parflex("view", "reslut.nc")
+    assert code == 2
+    assert "did you mean result.nc?" in err
+
+
+def test_paper_ends_with_what_to_do_next_and_that_works(parflex, tmp_path):
+    code, out, err = parflex("paper", "--modes", "2", "--out", "here")
+    assert code == 0, err
+    assert "pictures in here" in out
+    for verb, file in (("view", "robot.html"), ("report", "report.html")):
+        assert f"parflex {verb} here/result.nc" in out
+        option = "--export" if verb == "view" else "--out"
+        code, said, err = parflex(verb, "here/result.nc", option, f"sent/{file}")
+        assert code == 0, err
+        assert file in said
+        assert (tmp_path / "sent" / file).stat().st_size > 100_000
+
+
+def test_what_cannot_be_shown_writes_nothing(parflex, tmp_path):
+    (tmp_path / "result.nc").write_bytes(b"not a result")
+    for words in (("view", "result.nc", "--export", "x.html"), ("report", "result.nc", "--out", "x.html")):
+        code, _, err = parflex(*words)
+        assert code == 2
+        assert "is damaged or no NetCDF-4 file" in err
+    assert parflex("view", "result.nc", "--port", "99999")[0] == 2
+    assert [path.name for path in tmp_path.iterdir()] == ["result.nc"]
+
+
 def test_names_with_brackets_are_told_as_they_are(parflex, tmp_path):
     _, out, _ = parflex("init", "[bold]mine.toml")
     assert "parflex simulate [bold]mine.toml --trajectory [bold]mine.trajectory.toml" in out

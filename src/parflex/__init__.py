@@ -5,6 +5,7 @@ model = pf.Model(pf.robots.gough_stewart())
 model.direct(model.robot.home, forces)
 """
 
+import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from parflex.simulation import simulate
     from parflex.state import State, Wrench
     from parflex.trajectory import Trajectory
+    from parflex.viewer import View, view
 
 __version__ = "0.1.0"
 
@@ -45,11 +47,13 @@ _HOME = {  # loaded at first use, so that `import parflex` is quick
     "State": "state",
     "Tip": "legs",
     "Trajectory": "trajectory",
+    "View": "viewer",
     "Wrench": "state",
     "export_c": "compiled.c.export",
     "load_result": "result",
     "load_robot": "files.robot_file",
     "simulate": "simulation",
+    "view": "viewer",
 }
 _MODULES = ("fe", "robots", "plot")
 
@@ -75,6 +79,7 @@ __all__ = [
     "State",
     "Tip",
     "Trajectory",
+    "View",
     "Wrench",
     "export_c",
     "fe",
@@ -82,6 +87,7 @@ __all__ = [
     "load_robot",
     "robots",
     "simulate",
+    "view",
 ]
 
 
@@ -91,7 +97,9 @@ def __getattr__(name: str) -> Any:
     elif name in _HOME:
         found = getattr(import_module(f"parflex.{_HOME[name]}"), name)
     else:
-        raise AttributeError(f"module 'parflex' has no attribute {name!r}")
+        raise AttributeError(
+            f"module 'parflex' has no attribute {name!r}", name=name, obj=sys.modules[__name__]
+        )
     globals()[name] = found
     return found
 

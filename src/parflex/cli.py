@@ -24,17 +24,19 @@ from parflex.terminal import (
     console,
     step,
 )
+from parflex.viewing import report, view
 
 app = typer.Typer(
-    no_args_is_help=True,
+    invoke_without_command=True,
     add_completion=True,
     rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     help="Dynamics of parallel robots with flexible platforms.\n\n"
-    "Start with `parflex paper`: it flies the robot of the paper and draws its figures. For a robot "
-    "of your own, `parflex init`, then `parflex check` and `parflex simulate`.",
+    "Start with `parflex paper`: it flies the robot of the paper and draws its figures; `parflex view` shows "
+    "it moving in the browser. For a robot of your own, `parflex init`, then `parflex check` and "
+    "`parflex simulate`.",
 )
-for command in (check, simulate, init, export, modes):
+for command in (view, report, check, simulate, init, export, modes):
     app.command()(command)
 
 
@@ -45,13 +47,30 @@ def version(wanted: bool) -> None:
         raise typer.Exit
 
 
+FIRST = {
+    "parflex paper": "fly the robot of the paper: 20 seconds, then figures and a result",
+    "parflex view parflex-paper/result.nc": "see it move in the browser",
+    "parflex init": "begin a robot of your own: robot.toml, with comments",
+}
+
+
 @app.callback()
 def main(
+    context: typer.Context,
     show: Annotated[
         bool, typer.Option("--version", callback=version, is_eager=True, help="Print the version.")
     ] = False,
 ) -> None:
     """Dynamics of parallel robots with flexible platforms."""
+    if context.invoked_subcommand is None:
+        console.print(
+            f"[bold]parflex {parflex.__version__}[/], dynamics of parallel robots with flexible platforms\n"
+        )
+        for line, words in FIRST.items():
+            console.print(f"  [bold]{line}[/]\n      {words}")
+        console.print(
+            "\nAll commands: parflex --help. Completion in your shell: parflex --install-completion."
+        )
 
 
 @app.command()

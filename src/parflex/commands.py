@@ -10,6 +10,7 @@ from rich.table import Table
 
 from parflex.errors import InputError
 from parflex.terminal import Backend, ImageFormat, Out, check_format, check_writable, console, step
+from parflex.viewing import what_now
 
 if TYPE_CHECKING:
     from parflex.output import FrameOutput
@@ -167,6 +168,7 @@ def tell_run(result: "Result", pictures: list[Path]) -> None:
         f"[bold]{escape(str(out / RESULT))}[/] holds the run (NetCDF-4: xarray, MATLAB); "
         f"pictures in {escape(str(out))}: {names}"
     )
+    what_now(out / RESULT)
     if result.partial:
         raise typer.Exit(130 if "interrupted" in result.stopped else 1)
 

@@ -38,6 +38,7 @@ def fly(
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))
     result = simulate(model, controller, start.state, times, table.rtol, table.atol, max_step=table.max_step)
     result.dataset.attrs["robot"] = file.name
+    result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)
     return Flight(model, result)
 
 

@@ -1,9 +1,10 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
 from collections.abc import Mapping
+from io import StringIO
 from pathlib import Path
 from textwrap import wrap
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -65,6 +66,37 @@ def legend_right(ax: Axes) -> None:
 def time_label(ax: Axes) -> None:
     """The shared abscissa."""
     ax.set_xlabel("time (s)")
+
+
+class Drawn(NamedTuple):
+    """A figure as SVG, and where each of its axes is: left, bottom, right, top from 0 to 1."""
+
+    svg: str
+    boxes: tuple[tuple[float, float, float, float], ...]
+
+
+def drawn(fig: Figure) -> Drawn:
+    """The figure as a vector picture that stands by itself."""
+    text = StringIO()
+    fig.savefig(text, format="svg", metadata={"Date": None})
+    return Drawn(text.getvalue(), tuple(tuple(ax.get_position().extents) for ax in fig.axes))
+
+
+def over_time(result: Result) -> dict[str, Figure]:
+    """The figures of a run over time that its result has the data for, by what they show."""
+    made = {
+        "Actuator forces": (actuator_forces, "forces"),
+        "Accelerations": (accelerations, "acceleration_error"),
+        "Deformation at the origin": (origin_deformation, "origin_deformation"),
+        "Deformation at the attachments": (attachment_deformation, "attachment_deformation"),
+        "Energy balance": (energy, "energy_residual"),
+    }
+    bends = result.dataset.sizes.get("mode", 0) > 0
+    return {
+        words: draw(result)
+        for words, (draw, needed) in made.items()
+        if needed in result.dataset and (bends or "Deformation" not in words)
+    }
 
 
 def actuator_forces(result: Result) -> Figure:
@@ -254,6 +286,26 @@ def flat_shapes(modes: Modes, columns: int = 4) -> Figure:
         bar = fig.colorbar(image, ax=panels, shrink=0.6, ticks=[-1, 0, 1])
         bar.set_label("deflection / largest deflection", fontsize=8)
     fig.suptitle("Elastic modes of the free plate (dot: first attachment; line: no deflection)", fontsize=9)
+    return fig
+
+
+def shapes_of(result: Result, columns: int = 5) -> Figure:
+    """Deflection of a flat platform's modes as its result has them, each scaled to its largest value."""
+    data = result.dataset
+    mesh = Triangulation(*data["platform_node"].values[:, :2].T, data["platform_triangle"].values)
+    shapes = data["platform_shape"].values[..., 2]
+    columns = min(columns, len(shapes))
+    rows = -(-len(shapes) // columns)
+    fig = figure(1.7 * columns + 0.4, 1.9 * rows + 0.4)
+    panels = fig.subplots(rows, columns, squeeze=False)
+    for k, ax in enumerate(panels.flat):
+        ax.set_axis_off()
+        if k < len(shapes):
+            w = shapes[k] / (np.max(np.abs(shapes[k])) or 1.0)
+            ax.tripcolor(mesh, w, shading="gouraud", cmap="RdBu_r", vmin=-1, vmax=1, rasterized=True)
+            ax.set_aspect("equal")
+            ax.set_title(f"mode {k + 1}", fontsize=8)
+    fig.suptitle("Elastic modes: deflection along $z_p$ over its largest value (red +, blue −)", fontsize=9)
     return fig
 
 

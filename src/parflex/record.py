@@ -46,6 +46,7 @@ def record(
     found |= energy_variables(robot, run, system)
     if trajectory is not None:
         found |= wanted_variables(run, trajectory, found["acceleration"][1])
+    found |= {"robot_file": ((), np.array(text_of(robot)), "1", "the robot as a robot file (TOML)")}
     attributes = {
         "format": FORMAT,
         "partial": int(bool(run.stopped)),
@@ -58,6 +59,14 @@ def record(
         **settings,
     }
     return dataset_of(found, run.t, robot, attributes)
+
+
+def text_of(robot: Robot) -> str:
+    """The robot file; a bending platform's is said to be beside it."""
+    from parflex.files.platform_tables import rigid_table
+    from parflex.files.robot_writing import modal_table, robot_text
+
+    return robot_text(robot, rigid_table(robot.platform) or modal_table("robot.platform.nc"))
 
 
 def actuator_names(robot: Robot) -> list[str]:
@@ -179,6 +188,18 @@ def geometry_variables(robot: Robot, run: "Run", system: System) -> Variables:
             "m",
             "points of the legs in the world, from base through the joints to a tip",
         ),
+        "leg_axis": (
+            ("time", "path", "station", "axis"),
+            paths.axes,
+            "1",
+            "axes of the joints in the world; zero at base and tip",
+        ),
+        "leg_station": (
+            ("path", "station"),
+            np.array(paths.stations, dtype=str).reshape(paths.points.shape[-3:-1]),
+            "1",
+            "base, R or P for a joint, with a star where there is a motor, or tip",
+        ),
         "path_leg": (("path",), np.array(paths.legs, dtype=int) + 1, "1", "leg of the path"),
         "path_attachment": (
             ("path",),
@@ -212,6 +233,11 @@ def geometry_variables(robot: Robot, run: "Run", system: System) -> Variables:
             "displacement shapes at the nodes",
         ),
     }
+    m = np.diagonal(body.m_ee)
+    omega = np.sqrt(body.stiffness / m)
+    out["frequency"] = (("mode",), omega, "rad s-1", "natural frequencies of the free platform")
+    ratio = body.damping / np.maximum(2 * omega * m, 1e-300)
+    out["damping_ratio"] = (("mode",), ratio, "1", "damping ratios")
     if body.triangles is not None:
         triangles = np.asarray(body.triangles, dtype=np.int64)
         out["platform_triangle"] = (("triangle", "corner"), triangles, "1", "surface, node numbers from 0")

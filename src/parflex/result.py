@@ -10,6 +10,7 @@ import numpy as np
 import xarray as xr
 
 from parflex.errors import InputError
+from parflex.files.absent import absent
 from parflex.files.writing import replacing
 from parflex.state import State
 
@@ -63,7 +64,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
         with xr.open_dataset(path, engine="h5netcdf") as opened:
             dataset = opened.load()
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
+        raise InputError(absent(Path(path))) from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         reason = str(error).split(" (")[0].splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path} is damaged or no NetCDF-4 file: {reason}") from None

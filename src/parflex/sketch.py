@@ -21,6 +21,8 @@ class Paths(NamedTuple):
     """The legs as lines in the world, m: from the base through the joints to each tip."""
 
     points: Array  # (…, lines, n, 3), shorter lines end with their last point again
+    axes: Array  # (…, lines, n, 3), along which the joints there act; zero where there is none
+    stations: tuple[tuple[str, ...], ...]  # what is there, a word per point of each line
     legs: tuple[int, ...]  # of each line
     attachments: tuple[int, ...]
     motors: Array  # (…, motors, 3), where the actuated joints are
@@ -74,25 +76,42 @@ def sketch_of(result: "Result", index: int = 0, scale: float | None = None) -> S
 def leg_paths(system: System) -> Paths:
     """The legs of a robot at a state, or at a batch of them."""
     lines: list[Array] = []
+    axes: list[Array] = []
+    words: list[tuple[str, ...]] = []
     legs: list[int] = []
     held: list[int] = []
     motors: list[Array] = []
     for leg in system.legs:
         chain = leg.group.chain
         for t, j in enumerate(leg.group.tip_frames):
+            way, none = chain.path(j), np.zeros(3)
             tip = tip_position(leg.frames, j, leg.group.offsets[:, t])
-            stations = [np.zeros(3), *(leg.frames.p_0j[k] for k in chain.path(j)), tip]
+            stations = [none, *(leg.frames.p_0j[k] for k in way), tip]
+            along = [none, *(leg.frames.R_0j[k][..., 2] for k in way), none]
             lines.append(np.stack([in_world(leg, p) for p in stations], axis=-2))
+            axes.append(np.stack([turned(leg, a) for a in along], axis=-2))
+            words += [("base", *(joint_word(leg, k) for k in way), "tip")] * len(leg.group.legs)
             legs += leg.group.legs
             held += list(leg.group.attachments[:, t])
         motors += [in_world(leg, motor_place(leg, j)) for j in leg.group.actuated]
     batch = system.x.position.shape[:-1]
     longest = max((line.shape[-2] for line in lines), default=0)
-    padded = [line[..., np.minimum(np.arange(longest), line.shape[-2] - 1), :] for line in lines]
-    none = np.zeros((*batch, 0, longest, 3))
-    points = np.concatenate([none, *padded], axis=-3)
+    nothing = np.zeros((*batch, 0, longest, 3))
+    points = np.concatenate([nothing, *(lengthened(line, longest) for line in lines)], axis=-3)
+    directions = np.concatenate([nothing, *(lengthened(axis, longest) for axis in axes)], axis=-3)
+    named = tuple((*word, *("",) * (longest - len(word))) for word in words)
     places = np.concatenate([np.zeros((*batch, 0, 3)), *motors], axis=-2)
-    return Paths(points, tuple(legs), tuple(int(a) for a in held), places)
+    return Paths(points, directions, named, tuple(legs), tuple(int(a) for a in held), places)
+
+
+def lengthened(line: Array, count: int) -> Array:
+    """Points (…, n, 3) as (…, count, 3), the last one again and again."""
+    return line[..., np.minimum(np.arange(count), line.shape[-2] - 1), :]
+
+
+def joint_word(leg: LegTerms, j: int) -> str:
+    """What a joint is, with a star where there is a motor: R, P, R* or P*."""
+    return "RP"[leg.group.chain.sigma[j]] + "*" * (j in leg.group.actuated)
 
 
 def stretched(lines: Array, ends: Array) -> Array:
@@ -112,8 +131,12 @@ def motor_place(leg: LegTerms, j: int) -> Array:
 
 def in_world(leg: LegTerms, p: Array) -> Array:
     """Points (…, L, 3) of the legs' base frames in the world."""
-    shape = leg.qd.shape[:-1] + (3,)
-    return leg.group.origin + mv(leg.group.rotation, np.broadcast_to(p, shape))
+    return leg.group.origin + turned(leg, p)
+
+
+def turned(leg: LegTerms, v: Array) -> Array:
+    """Vectors (…, L, 3) of the legs' base frames in the world's axes."""
+    return mv(leg.group.rotation, np.broadcast_to(v, leg.qd.shape[:-1] + (3,)))
 
 
 def drawn_scale(nodes: Array, bend: Array) -> float:

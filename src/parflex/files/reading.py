@@ -10,6 +10,7 @@ from typing import ParamSpec, TypeVar
 from pydantic import ValidationError
 
 from parflex.errors import InputError
+from parflex.files.absent import absent
 from parflex.files.lines import Where, line_of, reached
 from parflex.files.sentences import field_name, sentences
 from parflex.files.tables import Table
@@ -37,6 +38,11 @@ class Reader:
         except tomllib.TOMLDecodeError as error:
             self._complain(syntax_line(error, self._text), f"not TOML: {syntax_words(error)}")
             raise self._told() from None
+
+    @property
+    def text(self) -> str:
+        """The file as it was read."""
+        return self._text
 
     def table(self, kind: type[T]) -> T:
         """The whole file as tables; raises InputError with all that does not fit."""
@@ -91,7 +97,7 @@ def text_of(path: Path) -> str:
     try:
         return path.read_text(encoding="utf-8").replace("\r\n", "\n")
     except FileNotFoundError:
-        raise InputError(f"{path}: there is no such file") from None
+        raise InputError(absent(path)) from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; a TOML file is") from None
     except OSError as error:

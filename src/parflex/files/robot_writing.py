@@ -33,19 +33,25 @@ def save_robot(robot: Robot, path: str | os.PathLike[str]) -> Path:
     Raises InputError where a file cannot be written.
     """
     target = Path(path)
+    text = robot_text(robot, platform_of(robot.platform, target))
+    with replacing(target) as part:
+        part.write_text(text, encoding="utf-8")
+    return target
+
+
+def robot_text(robot: Robot, platform: Tables) -> str:
+    """The TOML of a robot with this table for its platform."""
     chains, legs = legs_of(robot.legs)
     position, rotation = (np.asarray(part, dtype=float).tolist() for part in robot.home_pose)
     tables = {
         "format": FORMAT,
         "gravity": np.asarray(robot.gravity).tolist(),
         "home": {"position": position, "rotation": rotation},
-        "platform": platform_of(robot.platform, target),
+        "platform": platform,
         "chain": chains,
         "leg": legs,
     }
-    with replacing(target) as part:
-        part.write_text(on_lines(tomli_w.dumps(tables)), encoding="utf-8")
-    return target
+    return on_lines(tomli_w.dumps(tables))
 
 
 def platform_of(body: FlexibleBody, target: Path) -> Tables:
@@ -54,8 +60,13 @@ def platform_of(body: FlexibleBody, target: Path) -> Tables:
     if table is None:
         file = target.with_name(f"{target.stem}.platform.nc")
         save_body(body, file)
-        table = {"kind": "modal", "file": file.name}
+        table = modal_table(file.name)
     return table
+
+
+def modal_table(file: str) -> Tables:
+    """The table of a platform whose body is in a file beside."""
+    return {"kind": "modal", "file": file}
 
 
 def legs_of(legs: Sequence[Leg]) -> tuple[Tables, list[Tables]]:

@@ -1,0 +1,130 @@
+"""What the documentation is built from beside its pages: snippets run, tables come from code and tests."""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Any
+
+from mkdocs.exceptions import PluginError
+from mkdocs.structure.files import File
+
+ROOT = Path(__file__).parent.parent
+MEASURED = ROOT / "build" / "verification.json"
+SNIPPET = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+EQUATION = re.compile(r"^(.*?)#\s*((?:Eqs?\.)\s*[\d–,() a-z]+)")
+ELSEWHERE = ("importing.md", "platforms.md")  # their snippets take files that readers bring
+MADE = (".png", ".svg", ".html")
+
+
+def on_files(files: Any, config: Any) -> Any:
+    """Run the snippets of each page; the pictures and pages that they leave belong to the documentation."""
+    for page in list(files.documentation_pages()):
+        text = Path(page.abs_src_path).read_text(encoding="utf-8")
+        for path, content in made_by(page.src_uri, SNIPPET.findall(text)).items():
+            files.append(File.generated(config, f"made/{Path(page.src_uri).stem}/{path}", content=content))
+    return files
+
+
+def made_by(name: str, snippets: list[tuple[str, str]]) -> dict[str, bytes]:
+    """The files that the snippets of a page leave, run in order, each language in one process."""
+    if not snippets or name in ELSEWHERE:
+        return {}
+    with tempfile.TemporaryDirectory() as folder:
+        for language in ("sh", "python"):
+            code = "\n".join(body for kind, body in snippets if kind == language)
+            if code:
+                run(name, language, code, Path(folder))
+        found = [path for path in Path(folder).rglob("*") if path.suffix in MADE]
+        return {str(path.relative_to(folder)): path.read_bytes() for path in found}
+
+
+def run(name: str, language: str, code: str, folder: Path) -> None:
+    """Run a page's code where its commands are found; an error ends the build."""
+    shell = {"python": [sys.executable], "sh": ["bash", "-euo", "pipefail"]}[language]
+    path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
+    environment = os.environ | {"MPLBACKEND": "Agg", "PATH": path}
+    done = subprocess.run(
+        [*shell, "-c", code], cwd=folder, capture_output=True, text=True, env=environment, timeout=600
+    )
+    if done.returncode:
+        raise PluginError(f"a {language} snippet of docs/{name} fails:\n{done.stdout}{done.stderr}")
+
+
+def on_page_markdown(markdown: str, **_: Any) -> str:
+    """Put what is generated in the place of its marks."""
+    for mark, make in MARKS.items():
+        if mark in markdown:
+            markdown = markdown.replace(mark, make())
+    return markdown
+
+
+def equations() -> str:
+    """Every equation of the paper beside the line of code that it is."""
+    rows = []
+    for path in sorted((ROOT / "src").rglob("*.py")):
+        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
+            found = EQUATION.match(line)
+            if found:
+                where = f"{path.relative_to(ROOT / 'src' / 'parflex')}:{number}"
+                rows.append((found[2].strip(), where, found[1].strip()))
+    rows.sort(key=lambda row: (int(re.search(r"\d+", row[0])[0]), row[1]))  # type: ignore[index]
+    cells = [(tag, f"`{code}`" if code else "", at) for tag, at, code in rows]
+    return table(("printed", "code", "where"), cells)
+
+
+def verification() -> str:
+    """Tables of what the tests measured, a file of tests each."""
+    if not MEASURED.is_file():
+        raise PluginError(f"{MEASURED.relative_to(ROOT)} is missing; run the tests first: python -m pytest")
+    by_file: dict[str, list[dict[str, Any]]] = {}
+    for row in json.loads(MEASURED.read_text(encoding="utf-8")).values():
+        by_file.setdefault(row["file"], []).append(row)
+    parts = []
+    for file, rows in by_file.items():
+        lines = [
+            (in_a_line(row["what"]), f"{row['bound']:.1e}", f"{row['measured']:.1e}", str(row["cases"]))
+            for row in rows
+        ]
+        subject = in_a_line(rows[0]["subject"]).rstrip(".")
+        heads = ("what, against what", "bound", "measured", "cases")
+        parts.append(f"### {subject}\n\n`tests/{file}`\n\n{table(heads, lines)}")
+    count = sum(len(rows) for rows in by_file.values())
+    return f"{count} tests, the worst case of each.\n\n" + "\n\n".join(parts)
+
+
+def in_a_line(words: str) -> str:
+    """Without the breaks of a docstring."""
+    return " ".join(words.split())
+
+
+def reference() -> str:
+    """A directive for every public name."""
+    import parflex as pf
+
+    def objects(module: Any, names: list[str]) -> list[str]:
+        things = (getattr(module, name) for name in names)
+        return [f"::: {thing.__module__}.{thing.__qualname__}" for thing in things if callable(thing)]
+
+    chapters = {
+        "parflex": objects(pf, pf.__all__),
+        "parflex.fe: platforms": objects(pf.fe, pf.fe.__all__),
+        "parflex.robots: the gallery": objects(pf.robots, pf.robots.__all__),
+    }
+    return "\n\n".join(f"# {title}\n\n" + "\n\n".join(found) for title, found in chapters.items())
+
+
+def table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+    """Markdown; bars in cells are told apart from those of the table."""
+    lines = [heads, ("---",) * len(heads), *rows]
+    return "\n".join("| " + " | ".join(cell.replace("|", "&#124;") for cell in line) + " |" for line in lines)
+
+
+MARKS = {
+    "<!-- equations -->": equations,
+    "<!-- verification -->": verification,
+    "<!-- reference -->": reference,
+}

@@ -1,0 +1,98 @@
+"""The report: it tells the result's numbers, and its checks fail where something is wrong."""
+
+import re
+
+import numpy as np
+import pytest
+
+import parflex as pf
+from parflex.report import report_of
+from parflex.report.checks import ALL_CHECKS, checks_of
+
+
+@pytest.fixture(scope="module")
+def run(model_of) -> pf.Result:
+    """A held robot that is pushed for 0.1 s."""
+    model = model_of(4)
+    start, forces = model.static(*model.robot.home_pose)
+    hold = pf.JointPD(model, start, kp=2e5, kd=2e3, forces=forces)
+    return pf.simulate(model, hold, start, np.linspace(0, 0.1, 41), wrenches=[pf.Wrench(0, (0, 0, -200))])
+
+
+@pytest.fixture
+def saved(run, tmp_path):
+    return run.save(tmp_path / "result.nc")
+
+
+def test_report_tells_the_numbers_of_the_result(run, saved):
+    text = report_of(saved)
+    data = run.dataset
+    assert "http" not in re.sub(r"data:[^\"]+", "", text)
+    assert f"{float(abs(data['forces']).max()):.5g} N" in text
+    for omega in data["frequency"].values:
+        assert f"<td>{omega:.2f}</td>" in text
+    assert f"<td>{float(data['energy_strain'][-1]):.5g}</td>" in text
+    for words in ("0.1 s, 41 instants", "6: RRP*", "Energy ledger", "Actuator forces", "numpy"):
+        assert words in text
+    assert text.count("passed") == len(ALL_CHECKS)
+    assert "FAILED" not in text
+
+
+def test_the_robot_file_of_a_report_is_the_robot(run, tmp_path):
+    """Its legs, read back, are those that were simulated; the platform is said to be beside it."""
+    text = str(run.dataset["robot_file"].values)
+    robot = pf.robots.gough_stewart(4)
+    robot.to_file(tmp_path / "robot.toml")
+    assert text == (tmp_path / "robot.toml").read_text()
+
+
+SPOILED = {
+    "numbers that are not finite": (
+        "position",
+        lambda v: np.where(np.arange(len(v))[:, None] > 30, np.nan, v),
+    ),
+    "rotation matrices": ("rotation", lambda v: 1.001 * v),
+    "legs hold the platform": ("leg_path", lambda v: v + 1e-4),
+    "pose and deformation agree": (
+        "attachment_deformation",
+        lambda v: v + 1e-6 * np.arange(len(v))[:, None, None],
+    ),
+    "energy balance": ("energy_residual", lambda v: v + 1e-3),
+    "deformation is small": ("attachment_deformation", lambda v: 1e3 * v + 1.0),
+}
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_each_check_finds_what_it_is_for(run, what):
+    name, spoil = SPOILED[what]
+    data = run.dataset.copy(deep=True)
+    assert all(check.passed for check in checks_of(data))
+    data[name] = data[name].copy(data=spoil(data[name].values))
+    assert what in [check.what for check in checks_of(data) if not check.passed]
+
+
+def test_checks_are_each_spoiled_once(run):
+    assert sorted(SPOILED) == sorted(check.what for check in checks_of(run.dataset))
+
+
+def test_reports_of_less(run, saved, tmp_path):
+    """Without a mesh, without energies, partial: what is there is told, the rest is said to be missing."""
+    data = run.dataset.drop_vars(["platform_triangle", "energy_residual", "frequency"])
+    data.attrs |= {"partial": 1, "stopped": "at 0.05 s: <leg> 3 does not reach"}
+    path = tmp_path / "less.nc"
+    data.to_netcdf(path, engine="h5netcdf")
+    text = report_of(path)
+    assert "&lt;leg&gt; 3 does not reach" in text
+    assert "No platform mesh" in text
+    assert "natural frequencies (frequency)" in text
+
+
+def test_what_is_no_run_is_refused(run, saved, tmp_path):
+    run.dataset.isel(time=slice(0, 0)).to_netcdf(tmp_path / "empty.nc", engine="h5netcdf")
+    with pytest.raises(pf.InputError, match="holds no run"):
+        report_of(tmp_path / "empty.nc")
+    (tmp_path / "cut.nc").write_bytes(saved.read_bytes()[:5000])
+    with pytest.raises(pf.InputError, match="is truncated: 5000 of its"):
+        report_of(tmp_path / "cut.nc")
+    with pytest.raises(pf.InputError, match=r"did you mean .*result\.nc"):
+        report_of(tmp_path / "reslut.nc")
