@@ -88,16 +88,17 @@ def plate_cloud(corners, thickness, young, poisson, density, n_modes, damping_ra
     corners, section = plate.convex_polygon(corners), plate.plate_section(thickness, young, poisson, density)
     levels = range(plate.DEFAULT_REFINE, 9)
     refine = next(r for r in levels if plate.unknowns(len(corners), r) > 12 * n_modes)
-    basis, omega, vectors = plate.solve_plate(corners, section, n_modes, refine)
-    kept = plate.PlateSolution(basis, omega[:n_modes], vectors[:, :n_modes])
-    (inside, at_nodes), (xy, area) = plate.sampled(kept, section), plate.quadrature(basis)
+    modes = plate.plate_modes(corners, thickness, young, poisson, density, n_modes, refine)
+    basis = plate.argyris(corners, refine)
+    inside, (xy, area) = plate.sampled(basis, modes.reduction.vectors), plate.quadrature(basis)
+    xy = xy + plate.centroid(corners)[:, None]
     (slope_x, slope_y), z = np.moveaxis(inside.slope, 1, 0), thickness / np.sqrt(12) * np.ones_like(area)
     positions = np.concatenate([np.column_stack([*xy, level]) for level in (-z, z)])
     shapes = [np.stack([-level * slope_x, -level * slope_y, inside.w], axis=-1) for level in (-z, z)]
     masses, shapes = np.tile(0.5 * section.a * area, 2), np.concatenate(shapes, axis=1)
-    cloud = nodal_platform(positions, masses, shapes, kept.frequencies, damping_ratio, ())
+    cloud = nodal_platform(positions, masses, shapes, modes.frequencies, damping_ratio, ())
     deflection = np.zeros((len(corners), 3, n_modes))
-    deflection[:, 2] = at_nodes.w[:, 1 : 1 + len(corners)].T
+    deflection[:, 2] = modes.shapes[:, 1 : 1 + len(corners), 2].T
     return replace(cloud, attachments=np.pad(corners, ((0, 0), (0, 1))), attachment_shapes=deflection)
 
 

@@ -1,5 +1,7 @@
 """Solids against closed forms, published values and brute force."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy import sparse
@@ -185,6 +187,24 @@ def test_step_file_in_any_unit(tmp_path):
     file.write_text(text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
     with pytest.raises(pf.InputError, match="400 m across and weighs .* is its unit of length right"):
         pf.fe.solid_body(pf.fe.step_mesh(file, size=100.0), STEEL)
+
+
+INCH = """#{0} = ( CONVERSION_BASED_UNIT('INCH',#9000) LENGTH_UNIT() NAMED_UNIT(#9001) );
+#9000 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#9002);
+#9001 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);
+#9002 = ( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );"""
+
+
+def test_step_file_in_inches(tmp_path):
+    """As CAD programs write them; and overruled."""
+    occ = pytest.importorskip("netgen.occ")
+    file = tmp_path / "block.step"
+    occ.Box((0, 0, 0), (16, 12, 0.8)).WriteStep(str(file))
+    pattern = r"#(\d+) = \( LENGTH_UNIT\(\) NAMED_UNIT\(\*\) SI_UNIT\(\.MILLI\.,\.METRE\.\) \);"
+    file.write_text(re.sub(pattern, lambda found: INCH.format(found[1]), file.read_text()))
+    for unit, metres in ((None, 0.0254), ("mm", 1e-3)):
+        mesh = pf.fe.step_mesh(file, size=4 * metres, unit=unit)
+        assert np.allclose(np.ptp(mesh.nodes, axis=0), metres * np.array([16, 12, 0.8]))
 
 
 def test_step_file_of_several_solids(tmp_path):

@@ -16,6 +16,7 @@ from parflex.fe.foreign import briefly
 
 KINDS = {1: "hex8", 2: "wedge6", 3: "tet4", 4: "hex20", 5: "wedge15", 6: "tet10"}
 COUNTS = {1: 8, 2: 6, 3: 4, 4: 20, 5: 15, 6: 10}
+BEYOND = 1e30  # what no displacement or coordinate is
 LONG = 1  # the format with numbers of ten digits
 SAME = 1e-4  # numbers that the file holds twice
 
@@ -143,7 +144,12 @@ def table(name: str, block: Block) -> tuple[Array, Array]:
     if len(block.lines) != count or any(len(row) != 49 or row[:3] != b" -1" for row in block.lines):
         raise InputError(f"frd {name} is damaged where {count} nodes are expected; write it again")
     rows = np.frombuffer(b"".join(block.lines), dtype=[("key", "S3"), ("node", "S10"), ("values", "S12", 3)])
-    return rows["node"].astype(int), rows["values"].astype(float)
+    values = rows["values"].astype(float)
+    if not np.all(np.abs(values) < BEYOND):
+        raise InputError(
+            f"frd {name} is damaged where {count} nodes are expected: a value is beyond all bounds"
+        )
+    return rows["node"].astype(int), values
 
 
 def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:

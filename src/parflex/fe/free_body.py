@@ -106,7 +106,7 @@ class FreeBody:
 
     @cached_property
     def digest(self) -> tuple[Array, ...]:
-        """What K, M and the shift are told from others by."""
+        """What K and M are told from others by."""
         matrices = [matrix.tocsr() for matrix in (self.stiffness, self.mass)]
         held = [getattr(matrix, name) for matrix in matrices for name in ("data", "indices", "indptr")]
         return tuple(np.frombuffer(sha256(array.tobytes()).digest(), dtype=np.uint8) for array in held)

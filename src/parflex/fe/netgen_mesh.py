@@ -1,7 +1,6 @@
 """Meshes by Netgen (`pip install 'parflex[solids]'`): of plates from their outlines, of STEP files."""
 
 import os
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,7 +16,7 @@ from parflex.errors import InputError
 from parflex.fe.keep import kept
 from parflex.fe.mesh import EDGES, SolidMesh, solid_mesh
 from parflex.fe.polygon import simple_polygon
-from parflex.fe.units import length_unit
+from parflex.fe.units import length_unit, unit_of_step
 from parflex.progress import waiting
 
 FEWEST, WANTED, MOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
@@ -226,24 +225,3 @@ def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> Soli
     elements = cells["nodes"][:, :10].astype(np.int64)[:, ORDER] - 1
     elements = elements[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]  # Netgen sees them from the other side
     return solid_mesh(mesh.Coordinates(), elements, number[cells["index"] - 1])
-
-
-SI_LENGTH = re.compile(
-    r"LENGTH_UNIT\s*\(\s*\)[^;]*?SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)|"
-    r"SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)[^;]*?LENGTH_UNIT\s*\(\s*\)"
-)
-OTHER_LENGTH = re.compile(
-    r"CONVERSION_BASED_UNIT\s*\(\s*'(\w+)'[^;]*?LENGTH_UNIT|"
-    r"LENGTH_UNIT[^;]*?CONVERSION_BASED_UNIT\s*\(\s*'(\w+)'"
-)
-PREFIXES = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "DECI": 0.1, "MICRO": 1e-6, "KILO": 1e3}
-INCHES = {"INCH": 0.0254, "IN": 0.0254, "FOOT": 0.3048, "FT": 0.3048}
-
-
-def unit_of_step(text: str) -> float | None:
-    """Metres in the unit of length that a STEP file's data names."""
-    other = OTHER_LENGTH.search(text)
-    if other is not None:
-        return INCHES.get((other[1] or other[2]).upper())
-    found = SI_LENGTH.search(text)
-    return None if found is None else PREFIXES.get((found[1] or found[2] or "").upper())

@@ -14,6 +14,7 @@ DISPLACEMENTS = ("OUGV1", "OUG1", "BOUGV1", "BOPHIG")  # the last two in the bas
 SUPERELEMENTS = ("SELIST", "EMAP", "MAPS", "GEOM1S", "BGPDTS", "EQEXINS")
 REAL_MODES = 2  # approach code
 TABLES = (1, 7)  # table codes of displacements and eigenvectors
+BEYOND = 1e30  # what no displacement, rotation or eigenvalue is
 SAME = 1e-4  # numbers that the file holds twice
 
 
@@ -155,6 +156,8 @@ def displacements(
             grid = rows[:, 1] == 1
             if not np.all(grid | (rows[:, 1] == 2)):
                 raise InputError(f"op2 {name} is damaged in mode {code[4]}: a node is of no known type")
+            if not np.all(np.abs(values[grid]) < BEYOND) or not abs(square) < BEYOND:
+                raise InputError(f"op2 {name} is damaged in mode {code[4]}: a value is beyond all bounds")
             yield int(code[4]), square, rows[grid, 0] // 10, values[grid]
 
 

@@ -137,13 +137,9 @@ def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
 
 
 def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
-    """Matrices and meaning of the Argyris unknowns.
-
-    The mesh lies about the centroid: the element's polynomials are ill-conditioned far from their
-    origin.
-    """
+    """Matrices and meaning of the Argyris unknowns."""
     place = np.append(centroid(corners), 0.0)
-    basis = skfem.Basis(fan_mesh(corners - centroid(corners), refine), skfem.ElementTriArgyris(), intorder=10)
+    basis = argyris(corners, refine)
     mass = inertia_form(section).assemble(basis)
     size = np.linalg.norm(np.ptp(corners, axis=0))
 
@@ -164,6 +160,12 @@ def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
         corners=tuple(range(1, len(corners) + 1)),
         source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",
     )
+
+
+def argyris(corners: Array, refine: int) -> skfem.Basis:
+    """The elements, about the centroid: their polynomials are ill-conditioned far from their origin."""
+    mesh = fan_mesh(corners - centroid(corners), refine)
+    return skfem.Basis(mesh, skfem.ElementTriArgyris(), intorder=10)
 
 
 def coarse_frequencies(body: FreeBody, basis: Basis) -> Array:
