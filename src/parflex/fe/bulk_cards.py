@@ -10,6 +10,7 @@ import numpy as np
 from parflex.array import Array
 from parflex.errors import InputError
 from parflex.fe.foreign import briefly
+from parflex.fe.pyyeti import nastran
 from parflex.fe.unit_systems import Units
 
 Card = list[Any]
@@ -56,10 +57,7 @@ class Bulk:
 
 def cards_of(path: Path) -> dict[str, list[Card]]:
     """All cards of a file and of those it includes, by name."""
-    try:
-        from pyyeti.nastran.bulk import rdcards
-    except ImportError:
-        raise InputError('bulk data need pyYeti; install it with: pip install "parflex[nastran]"') from None
+    rdcards = nastran("bulk").rdcards
     options = {"regex": True, "return_var": "list", "blank": "", "encoding": "latin-1"}
     try:
         first = rdcards(str(path), CARDS, keep_name=True, **options) or []

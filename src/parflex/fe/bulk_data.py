@@ -13,6 +13,7 @@ from parflex.fe.bulk_masses import SHAPES, carried, elements
 from parflex.fe.elements import ELEMENTS, mass_matrix, surface
 from parflex.fe.foreign import briefly
 from parflex.fe.free_body import Sparse
+from parflex.fe.pyyeti import nastran
 from parflex.fe.unit_systems import Units
 
 MASSLESS = (
@@ -114,12 +115,9 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
         raise InputError(f"bulk {bulk.name} has GRID {ids[:-1][np.diff(ids) == 0][0]} twice; keep one")
     if not np.any(table[:, [1, 5]]):
         return ids, bulk.units.length * table[:, 2:5], np.broadcast_to(np.eye(3), (len(ids), 3, 3))
-    from pyyeti.nastran import bulk as reader
-    from pyyeti.nastran.n2p import rbgeom_uset
-
     try:
-        uset = reader.bulk2uset(str(path), encoding="latin-1")[0]
-        blocks = rbgeom_uset(uset).reshape(-1, 6, 6)
+        uset = nastran("bulk").bulk2uset(str(path), encoding="latin-1")[0]
+        blocks = nastran("n2p").rbgeom_uset(uset).reshape(-1, 6, 6)
         places = uset.loc[(slice(None), 1), ["x", "y", "z"]].to_numpy(dtype=float)
         if blocks.shape[0] != len(ids) or places.shape != (len(ids), 3):
             raise ValueError(f"{len(ids)} grids, {len(blocks)} of them placed")

@@ -9,6 +9,7 @@ import numpy as np
 
 from parflex.array import Array
 from parflex.errors import InputError
+from parflex.fe.pyyeti import nastran
 
 DISPLACEMENTS = ("OUGV1", "OUG1", "BOUGV1", "BOPHIG")  # the last two in the basic coordinate system
 SUPERELEMENTS = ("SELIST", "EMAP", "MAPS", "GEOM1S", "BGPDTS", "EQEXINS")
@@ -51,12 +52,9 @@ def read_op2(path: Path) -> Op2Modes:
     Raises InputError where the file is missing, damaged, of superelements, or without modes.
     """
     words = check_frame(path)
+    reader = nastran("op2")
     try:
-        from pyyeti.nastran.op2 import OP2
-    except ImportError:
-        raise InputError('op2 files need pyYeti; install it with: pip install "parflex[nastran]"') from None
-    try:
-        with OP2(str(path)) as file:
+        with reader.OP2(str(path)) as file:
             return modes_in(path.name, file, words)
     except InputError:
         raise
