@@ -199,3 +199,23 @@ assert os.waitpid(child, 0)[1] == 0
 def test_batches_in_a_forked_process(own_cache):
     """The threads of the parent are not waited for in the child."""
     subprocess.run([sys.executable, "-c", FORK], check=True, timeout=60)
+
+
+def test_bound_arrays_live_on(model_of):
+    """What a flat call has seen is not moved or freed under it: NumPy refuses, and dropped arrays are kept."""
+    model = model_of(3, "native")
+    state, forces = model.static(*model.robot.home_pose)
+    c = model.compiled()
+    x, u, out = c.pack(state), forces.copy(), np.zeros(9)
+    c.direct(x, u, out)
+    expected = out.copy()
+    for array in (x, u, out):
+        with pytest.raises(ValueError, match="resize"):
+            array.resize(100)
+    for _ in range(200):  # more than are remembered; each new array may lie where a dropped one lay
+        shifted, there = u + 1.0, np.full(9, np.nan)
+        c.direct(x, shifted, there)
+        assert np.all(np.isfinite(there))
+    u[:], out[:] = forces, np.nan
+    c.direct(x, u, out)
+    assert np.array_equal(out, expected)
