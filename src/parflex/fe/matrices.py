@@ -169,8 +169,11 @@ def coordinates(name: str, file: str, entries: list[str], size: int, symmetric: 
 
 def numbers(name: str, file: str, lines: list[str], columns: int) -> Array:
     """Finite numbers (n, columns) of lines, with commas or without."""
+    rows = [line.replace(",", " ") for line in lines if line.strip() and not line.startswith("#")]
+    if not rows:
+        raise InputError(f"{name} {file} is empty; write it again")
     try:
-        table = np.loadtxt([line.replace(",", " ") for line in lines if line.strip()], ndmin=2)
+        table = np.loadtxt(rows, ndmin=2)
     except ValueError as error:
         raise InputError(f"{name} {file} is no table of numbers ({briefly(error)}); correct it") from None
     if table.shape[1:] != (columns,) or not np.all(np.isfinite(table)):
