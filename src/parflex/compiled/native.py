@@ -24,6 +24,7 @@ from parflex.progress import waiting
 
 AGREEMENT = 1e-9  # of code with the reference, on a probe
 WIDE = 64  # rows from which on several share an instruction
+REGION = 100  # loads and stores that LLVM orders at a time: what that takes grows with the square
 SHARED = 64  # blocks of rows from which on processors share them
 
 Run = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
@@ -166,6 +167,7 @@ def machine() -> llvm.TargetMachine:
 @cache
 def initialise() -> None:
     """Prepare LLVM for this processor, once."""
+    llvm.set_option("parflex", f"-dag-maps-huge-region={REGION}")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
 
