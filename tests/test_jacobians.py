@@ -83,8 +83,8 @@ def test_direct_against_differences(kind):
     """On robots of any kind; every motion of the flat state, whether or not the closure allows it."""
     sample = KINDS[kind]()
     model = pf.Model(sample.robot, "numpy")
-    states, run = sample.states, model.function(kernels.direct)
-    state, forces = states[0], sample.forces[0]
+    run = pf.Model(sample.robot, "vm").function(kernels.direct)
+    state, forces = sample.states[0], sample.forces[0]
     x, N = model.flat(state), sample.robot.platform.modes
 
     def answer(flat, u):
