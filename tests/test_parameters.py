@@ -261,7 +261,7 @@ def test_simulation_with_other_numbers(model, monkeypatch):
         monkeypatch.delattr("parflex.simulation.SciPySteps")  # it does not return to Python
     one = pf.simulate(moon, 1.1 * forces, state, t, **push).dataset
     for name in two.data_vars:
-        if name != "actuator_name":
+        if two[name].dtype.kind == "f":
             assert relative(one[name], two[name]) <= 1e-9, name
     assert one.attrs["gravity"].tolist() == [0.0, 0.0, -1.62]
 
