@@ -13,7 +13,7 @@ import numpy as np
 from parflex.array import Array
 from parflex.compiled.loops import Loop, Program
 
-PART = 10_000  # operations of a function, at most
+PART = 15_000  # operations of a function, at most
 ARITHMETIC = {
     casadi.OP_ADD: "fadd",
     casadi.OP_SUB: "fsub",
