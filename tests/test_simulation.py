@@ -13,6 +13,8 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from parflex.compiled import kernels
+from parflex.singular import Watch
 from parflex.spatial import quaternion_rate
 from parflex.state import Layout, coordinates, pack
 
@@ -260,7 +262,7 @@ def test_leg_out_of_reach_is_named_by_both_integrators(model_of):
         run = pf.simulate(model, np.zeros(6), fall, np.linspace(0, 0.2, 21))
         assert run.partial
         said.append(run.stopped)
-    print(said)
+        assert run.dataset.sizes["time"] >= 5  # the outputs before it are kept
     assert said[0].split(": ")[1:] == said[1].split(": ")[1:]
 
 
@@ -291,6 +293,28 @@ def test_dynamic_singularity_on_the_way_ends_as_partial(model_of, backend):
     assert "dynamic singularity" in run.stopped
     assert 10 < run.dataset.sizes["time"] < 61
     assert np.all(np.isfinite(run.dataset.forces))
+
+
+@pytest.mark.parametrize("backend", ["vm", "native"])
+def test_what_lies_beyond_a_crossing_is_not_kept(model_of, backend):
+    """States on a line through a dynamic singularity; the signs of the determinants by NumPy alone."""
+    model, reference = model_of(9, backend), model_of(9)
+    home = model.robot.home
+    line = [
+        pf.State(home.position + s * GOAL[:3], Rotation.from_rotvec(s * GOAL[3:]).as_matrix())
+        for s in np.linspace(0, 1.5, 40)
+    ]
+    x = np.array([model.flat(state) for state in line])
+    flexible, rigid = reference.function(kernels.gains, pf.FrameOutput())(x)
+    signs = np.sign(np.linalg.det(flexible.reshape(-1, 6, 6)) * np.linalg.det(rigid.reshape(-1, 6, 6)))
+    first = int(np.argmax(signs != signs[0]))
+    assert 0 < first < len(x) - 1
+    watch = Watch(model, pf.FrameOutput())
+    assert watch.look(x[:1]) == (1, "")
+    before, words = watch.look(x)
+    assert before == first
+    assert "crossed a dynamic singularity" in words
+    assert watch.look(x[:first]) == (first, "")
 
 
 def test_full_disk_leaves_the_old_file(held, tmp_path, monkeypatch):

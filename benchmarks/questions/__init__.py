@@ -10,6 +10,7 @@ from benchmarks.questions import (
     precision,
     scaling,
     simulation,
+    viewer,
 )
 
 ALL = {
@@ -22,4 +23,5 @@ ALL = {
     "simulation": simulation.ask,
     "precision": precision.ask,
     "cold-start": cold_start.ask,
+    "viewer": viewer.ask,
 }

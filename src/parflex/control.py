@@ -88,9 +88,10 @@ class Law:
         u, moved, _, f, _ = self.function.each(x, t[:, None], rows, applied, self.loads.pushes)
         return Motion(u, moved, f, applied + self.loads.constant(x))
 
-    def watch(self, x: Array) -> None:
-        """Raise SingularPose where a motion through flat states (T, size) crossed a singularity."""
-        return
+    def watch(self, x: Array) -> tuple[int, str]:
+        """How many of the flat states (T, size) of a motion come before it crosses a singularity, and
+        which that is; all of them where it crosses none, or the law does not mind."""
+        return len(x), ""
 
     def explain(self) -> str:
         """Why the motion may have failed after the last call; empty where the law knows nothing."""
@@ -167,8 +168,8 @@ class Tracking(Law):
         super().__init__(model, loads, motions.tracking, rows, way.starts[1:], control.output)
         self._watch = singular.Watch(model, control.output)
 
-    def watch(self, x: Array) -> None:
-        self._watch.look(x)
+    def watch(self, x: Array) -> tuple[int, str]:
+        return self._watch.look(x)
 
     def explain(self) -> str:
         return self._watch.explain()

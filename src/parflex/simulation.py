@@ -103,7 +103,7 @@ def integrate(
     def rate(t: float, y: Array) -> Array:
         return np.concatenate(law.rate(t, y[:-WORKS]))
 
-    rows, done, stopped, crawl = [y[None]], 1, "", (0, times[0])
+    rows, done, reached, stopped, crawl = [y[None]], 1, times[0], "", (0, times[0])
     stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
         method, rate, times[0], y, times[-1], tolerances
     )
@@ -119,20 +119,21 @@ def integrate(
                     closure(row)
                 if closure(stepper.y):
                     stepper.moved()
-                rows.append(found)
+                before, stopped = law.watch(np.vstack([found, stepper.y])[:, :-WORKS])
+                rows.append(found[:before])
+                reached = times[done + before] if before < len(found) else stepper.t
                 done += len(found)
-                law.watch(np.vstack([found, stepper.y])[:, :-WORKS])
                 if stepper.steps - crawl[0] >= PATIENCE:
                     if stepper.t - crawl[1] < SMALLEST * PATIENCE * (times[-1] - times[0]):
                         stopped = law.explain() or DIVERGES
                     crawl = (stepper.steps, stepper.t)
-                bar.to(stepper.t - times[0])
+                bar.to(reached - times[0])
         except KeyboardInterrupt:
             stopped = "interrupted"
         except Exception as error:  # whatever a caller's controller raises must not cost the run
             stopped = f"{type(error).__name__}: {error}"
     if stopped:
-        stopped = f"at t = {stepper.t:.6g} s: {stopped}"
+        stopped = f"at t = {reached:.6g} s: {stopped}"
     kept = np.concatenate(rows)
     x = kept[:, :-WORKS]
     x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)

@@ -219,24 +219,25 @@ class Watch:
         self._start: Array | None = None
         self._last = np.zeros(0)  # gains, flexible and rigid, (2, o, m)
 
-    def look(self, x: Array) -> None:
-        """Raise SingularPose where a motion through flat states (T, size) has crossed a singularity
-        since the first look."""
+    def look(self, x: Array) -> tuple[int, str]:
+        """How many of the flat states (T, size) of a motion come before it crosses a singularity, seen
+        from the first look; and which it crosses, empty for none."""
         shape = (2, len(x), self._output.size, self._robot.n_forces)
         gains = np.array(self._function.each(x)).reshape(shape)
-        self._last = gains[:, -1]
         if self._start is None:
             self._start = gains[:, 0]
             if check_gain(self._robot, self._output, x[0], *(gain.reshape(-1) for gain in self._start)):
                 warnings.warn(beyond_words(np.array(True)), DynamicSingularity, stacklevel=4)
         flexible, rigid = np.linalg.det(gains @ transpose(self._start)[:, None])
-        for i in range(len(x)):
-            if rigid[i] < 0:
-                raise SingularPose("the motion has crossed a parallel singularity: det J_p⁻¹ changed sign")
-            if flexible[i] < 0:
-                raise SingularPose(
-                    "the motion has crossed a dynamic singularity: the determinant of ∂V̇_p/∂Γ changed sign"
-                )
+        crossed = (flexible < 0) | (rigid < 0)
+        before = int(np.argmax(crossed)) if np.any(crossed) else len(x)
+        self._last = gains[:, max(before, 1) - 1]
+        if before == len(x):
+            return before, ""
+        if rigid[before] < 0:
+            return before, "the motion has crossed a parallel singularity: det J_p⁻¹ changed sign"
+        words = "the motion has crossed a dynamic singularity: the determinant of ∂V̇_p/∂Γ changed sign"
+        return before, words
 
     def explain(self) -> str:
         """Whether the motion has run into a singularity without crossing it."""

@@ -22,7 +22,11 @@ class Stepper(ABC):
     t: float
     y: Array
     steps: int  # taken so far
-    refused: InputError | None = None  # why f had no value at the last trial
+
+    @property
+    @abstractmethod
+    def refused(self) -> InputError | None:
+        """Why f had no value at a trial of the last advance, if it had none."""
 
     @abstractmethod
     def advance(self, times: Array) -> Array:
@@ -77,7 +81,6 @@ class SciPySteps(Stepper):
         solver = self._solver
         self._rate.refused = None
         solver.step()
-        self.refused = self._rate.refused
         if solver.status == "failed":
             raise Stuck
         self.t, self.y, self.steps = solver.t, solver.y, self.steps + 1
@@ -86,6 +89,10 @@ class SciPySteps(Stepper):
             return np.empty((0, len(solver.y)))
         rows: Array = solver.dense_output()(passed).T
         return rows
+
+    @property
+    def refused(self) -> InputError | None:
+        return self._rate.refused
 
     def moved(self) -> None:
         self._solver.f = self._rate(self._solver.t, self._solver.y)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from parflex.control import Law
 
 CHUNK = 100  # steps between two returns to Python: where Ctrl-C, progress and singularities are looked at
+OUTPUTS = 1000  # rows at most that are read out between two returns
 DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as were allowed
 NUMBERS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # of its methods
 MEMORY = 2000  # MB that a chunk may take
@@ -127,8 +128,8 @@ class Chunks(Stepper):
         tolerances: dict[str, float],
     ) -> None:
         self.t, self.y, self.steps = t, y.copy(), 0
-        self._method = method
-        self._law, self._function, self._inputs = law, function, [*law.inputs, *more]
+        self._method, self._stuck = method, False
+        self._law, self._inputs = law, [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
         self._starts = np.array(law.starts)
@@ -156,7 +157,9 @@ class Chunks(Stepper):
         self._args = addresses([self._block])
 
     def advance(self, times: Array) -> Array:
-        size, times = len(self.y), np.ascontiguousarray(times)
+        if self._stuck:
+            raise Stuck
+        size, times = len(self.y), np.ascontiguousarray(times[:OUTPUTS])
         self._refused[:] = np.nan
         solver = cyrk()
         found = solver.solve(
@@ -172,13 +175,11 @@ class Chunks(Stepper):
         finally:
             solver.free(found)
         self.steps += taken
-        if status not in (DONE, MORE):
-            raise Stuck
+        self._stuck = status not in (DONE, MORE)  # said when it is asked to go on: these rows are good
         return rows
 
     @property
-    def refused(self) -> InputError | None:  # type: ignore[override]
-        """Why the law's model had no answer at the last state that was refused, if one was."""
+    def refused(self) -> InputError | None:
         if not np.isfinite(self._refused).all():
             return None
         try:
@@ -217,12 +218,12 @@ class Solver:
     """CyRK's interface for other languages: plain C functions, found by their addresses."""
 
     def __init__(self, api: Any) -> None:
-        P, Z, D, B, I = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_bool, ctypes.c_int32  # noqa: E741
-        solve = (P, P, D, D, P, Z, I, Z, Z, P, Z, Z, Z, B, P, Z, P, P, Z, P, Z, P, Z, D, D, B)
+        P, Z, D, B, N = ctypes.c_void_p, ctypes.c_size_t, ctypes.c_double, ctypes.c_bool, ctypes.c_int32
+        solve = (P, P, D, D, P, Z, N, Z, Z, P, Z, Z, Z, B, P, Z, P, P, Z, P, Z, P, Z, D, D, B)
         doubles = ctypes.POINTER(D)
         self.solve = ctypes.CFUNCTYPE(*solve)(api.get_solve_func_ptr())
         for name, kind, address in (
-            ("status", I, api.get_status_func_ptr),
+            ("status", N, api.get_status_func_ptr),
             ("size", Z, api.get_size_func_ptr),
             ("steps_taken", Z, api.get_steps_taken_func_ptr),
             ("t_now", D, api.get_t_now_func_ptr),

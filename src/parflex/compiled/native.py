@@ -51,6 +51,12 @@ class Code:
         )
 
 
+class Call(partial[None]):
+    """A call of machine code, and the arrays that must live as long."""
+
+    kept: tuple[object, ...]
+
+
 class NativeFunction(Function):
     """A kernel as machine code; batches several rows per instruction, and on all processors."""
 
@@ -84,8 +90,8 @@ class NativeFunction(Function):
         taken = [np.empty(n) if a is None else a for a, n in zip(outputs, self.kernel.outputs, strict=True)]
         places = addresses([*given, *taken])
         start, blocks = ctypes.c_int64(0), ctypes.c_int64(1)
-        trigger = partial(self._one.run, ctypes.c_void_p(places.ctypes.data), start, blocks)
-        trigger.kept = (places, given, taken)  # type: ignore[attr-defined]
+        trigger = Call(self._one.run, ctypes.c_void_p(places.ctypes.data), start, blocks)
+        trigger.kept = (places, given, taken)
         return trigger
 
     def _for(self, count: int) -> Code:

@@ -82,10 +82,6 @@ class At(Function):
 
         return Kernel(whole.name, function, whole.inputs[:-1], whole.outputs, whole.subject)
 
-    def at(self, theta: Array) -> "At":
-        """The same function at other parameters."""
-        return At(self.function, theta)
-
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function(*inputs, self.theta)
 
