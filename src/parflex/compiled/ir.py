@@ -11,7 +11,7 @@ import casadi
 import numpy as np
 
 from parflex.array import Array
-from parflex.compiled.loops import Loop, Program
+from parflex.compiled.loops import Loop, Program, Source
 
 PART = 15_000  # operations of a function, at most
 ARITHMETIC = {
@@ -43,13 +43,14 @@ def module(program: Program, lanes: int, widest: int) -> str:
     at once where a block is one state.
     """
     graph, size = program.graph, program.graph.sz_w()
-    places = []
+    places: list[Places] = []
     for loop in program.loops:
-        wide = widest if lanes == 1 else 1
+        wide = min(widest, 1 << (loop.rows - 1).bit_length()) if lanes == 1 else 1
         padded = wide * ceil(loop.rows / wide)
-        results = size + loop.shared + loop.columns * padded
+        results = size + loop.own_shared + loop.own_columns * padded
         places.append(Places(size, results, wide, padded))
         size = results + loop.outputs * padded
+    size += widest  # the last instruction of a loop may read beyond its rows
     count = graph.n_instructions()
     length = ceil(count / ceil(count / PART)) if count else 1
     last = last_uses(graph)
@@ -62,10 +63,7 @@ def module(program: Program, lanes: int, widest: int) -> str:
     widths = {lanes, *(place.lanes for place in places)}
     declared = [f"declare {vector_type(n)} @llvm.sqrt.{suffix(n)}({vector_type(n)})" for n in sorted(widths)]
     declared += [f"declare double @{name}({', '.join(['double'] * n)})" for name, n in ARITY.items()]
-    loops = [
-        Body(loop, place, lanes, number).text()
-        for number, (loop, place) in enumerate(zip(program.loops, places, strict=True))
-    ]
+    loops = [Body(loop, number, places, lanes).text() for number, loop in enumerate(program.loops)]
     return "\n".join([*declared, *loops, *parts, driver(size * lanes, lanes, len(parts))])
 
 
@@ -275,9 +273,15 @@ class Main(Code):
     def write(self, array: int, entry: int, value: str) -> None:
         if array < len(self.loops):
             loop, place = self.loops[array], self.places[array]
-            column, row = divmod(entry - loop.shared, loop.rows)
-            where = entry if entry < loop.shared else loop.shared + column * place.padded + row
-            self.stored(value, self.at(place.arguments + where))
+            column, row = divmod(entry - loop.own_shared, loop.rows)
+            where, copies = entry, 1
+            if entry >= loop.own_shared:
+                where = loop.own_shared + column * place.padded + row
+                copies += place.padded - loop.rows if row == loop.rows - 1 else 0
+            for copy in range(
+                copies
+            ):  # padding is the last row once more: what is there by chance may be slow
+                self.stored(value, self.at(place.arguments + where + copy))
             if entry == self.graph.numel_out(array) - 1:
                 self.lines.append(f"call void @loop{array}(ptr %scratch)")
             return
@@ -316,9 +320,10 @@ class Main(Code):
 class Body(Code):
     """A loop as a function of the scratch memory."""
 
-    def __init__(self, loop: Loop, place: Places, states: int, number: int) -> None:
-        super().__init__(loop.graph, place.lanes if states == 1 else states)
-        self.loop, self.where, self.states, self.number_of = loop, place, states, number
+    def __init__(self, loop: Loop, number: int, places: list[Places], states: int) -> None:
+        super().__init__(loop.graph, places[number].lanes if states == 1 else states)
+        self.loop, self.number_of, self.places, self.states = loop, number, places, states
+        self.where = places[number]
 
     def text(self) -> str:
         """The table of constants and the function."""
@@ -348,25 +353,30 @@ class Body(Code):
         table = self.loop.table
         if not table.size:
             return []
-        wide: Array = np.zeros((len(table), self.where.padded))
-        wide[:, : self.loop.rows] = table
+        wide: Array = np.pad(table, ((0, 0), (0, self.where.padded - self.loop.rows)), "edge")
         words = ", ".join(f"double {literal(value)}" for value in wide.reshape(-1))
         return [f"@{name} = internal constant [{wide.size} x double] [{words}], align 64"]
 
     def read(self, array: int, entry: int) -> str:
-        if array == 0 and self.states == 1:
-            return self.in_all_lanes(self.loaded(self.at(self.where.arguments + entry), "double"))
         if array == 0:
-            return self.loaded(self.at(self.where.arguments + entry))
+            place = self.at(self.found(self.loop.shared[entry], 0, 1))
+            return self.in_all_lanes(self.loaded(place, "double")) if self.states == 1 else self.loaded(place)
         if array == 1:
-            column = self.where.arguments + self.loop.shared + entry * self.where.padded
-            return self.loaded(self.at(column, by_row=True))
+            own = self.loop.own_shared
+            return self.loaded(self.at(self.found(self.loop.columns[entry], own, self.where.padded), True))
         start = self.place(f"@table{self.number_of}", entry * self.where.padded)
         place = self.place(start, "%row")
         return self.loaded(place) if self.states == 1 else self.in_all_lanes(self.loaded(place, "double"))
 
     def write(self, array: int, entry: int, value: str) -> None:
         self.stored(value, self.at(self.where.results + entry * self.where.padded, by_row=True))
+
+    def found(self, source: Source, before: int, padded: int) -> int:
+        """Where an argument begins: of the loop's own, or as another loop has left it."""
+        if source.loop is None:
+            return self.where.arguments + before + source.entry * padded
+        other = self.places[source.loop]
+        return other.results + source.entry * other.padded + source.row
 
     def at(self, position: int, by_row: bool = False) -> str:
         """A place in the scratch, in the loop's present row or where all rows look."""
