@@ -14,7 +14,7 @@ import cases
 import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
-from parflex.compiled import cache, ir, kernels, native
+from parflex.compiled import cache, instructions, ir, kernels, native
 from parflex.compiled.loops import program
 from parflex.compiled.vm import VmBackend, VmFunction
 
@@ -108,7 +108,7 @@ def test_code_of_another_robot_is_noticed(model_of, own_cache):
 
 def test_wrong_code_falls_back(model_of, monkeypatch):
     """A compiler that errs: the virtual machine is used, and said."""
-    monkeypatch.setitem(ir.ARITHMETIC, next(iter(ir.ARITHMETIC)), "fsub")
+    monkeypatch.setitem(instructions.ARITHMETIC, next(iter(instructions.ARITHMETIC)), "fsub")
     with pytest.warns(UserWarning, match="differs from the reference.*is used instead"):
         found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
     assert isinstance(found, VmFunction)
