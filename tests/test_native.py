@@ -122,6 +122,19 @@ def test_code_of_another_user_is_not_run(model_of, own_cache, monkeypatch):
     assert cache.load(path.stem) is None
 
 
+def test_what_was_not_used_for_longest_leaves_the_cache(model_of, own_cache, monkeypatch):
+    native.code(kernels.actuators(model_of(0).robot), 1)
+    (path,) = own_cache.iterdir()
+    entry = cache.load(path.stem)
+    for age, name in ((3, path.stem), (2, "older"), (1, "newer")):
+        cache.save(name, entry)
+        os.utime(own_cache / f"{name}.bin", (1e9 - age, 1e9 - age))
+    monkeypatch.setattr(cache, "LIMIT", 2.5 * path.stat().st_size)
+    assert cache.load(path.stem) is not None  # and so it is the youngest again
+    cache.save("newest", entry)
+    assert {p.stem for p in own_cache.iterdir()} == {path.stem, "newest"}
+
+
 def test_no_place_for_a_cache(model_of, own_cache, monkeypatch):
     kernel = kernels.actuators(model_of(0).robot)
     own_cache.write_text("a file where the folder should be")
