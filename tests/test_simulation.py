@@ -296,6 +296,18 @@ def test_dynamic_singularity_on_the_way_ends_as_partial(model_of, backend):
 
 
 @pytest.mark.parametrize("backend", ["vm", "native"])
+def test_steps_end_where_segments_do(model_of, backend):
+    """The wanted motion is a polynomial between poses, which the method integrates exactly: at any
+    tolerance the platform is on it, as long as no step goes across a jump of its third derivative."""
+    model = model_of(0, backend)
+    moves = [([0.03, -0.02, 0.05], np.zeros(3)), ([-0.04, 0.03, 0.02], np.zeros(3))]
+    way = pf.Trajectory.through(model.robot.home, moves, 0.37, (0.11, 0.07))
+    times = np.linspace(0, way.duration, 50)
+    run = pf.simulate(model, pf.ComputedTorque(model, way), model.robot.home, times, rtol=1e-4, atol=1e-4)
+    assert np.max(np.abs(run.dataset.pose_error)) <= 1e-12
+
+
+@pytest.mark.parametrize("backend", ["vm", "native"])
 def test_what_lies_beyond_a_crossing_is_not_kept(model_of, backend):
     """States on a line through a dynamic singularity; the signs of the determinants by NumPy alone."""
     model, reference = model_of(9, backend), model_of(9)

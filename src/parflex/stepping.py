@@ -9,6 +9,7 @@ from scipy import integrate
 from parflex.array import Array
 from parflex.errors import InputError
 
+CLOSE = 1e-12  # of the time, that is no step
 METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
 
 
@@ -62,7 +63,7 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of one of SciPy's methods at a time, of any function."""
+    """One step of one of SciPy's methods at a time, of any function, which is smooth `until` some time."""
 
     def __init__(
         self,
@@ -72,14 +73,18 @@ class SciPySteps(Stepper):
         y: Array,
         end: float,
         tolerances: dict[str, float],
+        until: Callable[[float], float],
     ) -> None:
-        self._rate = RightHandSide(rate)
+        self._rate, self._until, self._longest = RightHandSide(rate), until, tolerances["max_step"]
         self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances)
         self.t, self.y, self.steps = t, self._solver.y, 0
 
     def advance(self, times: Array) -> Array:
         solver = self._solver
         self._rate.refused = None
+        left = self._until(solver.t) - solver.t
+        if left > CLOSE * max(1.0, abs(solver.t)):
+            solver.max_step = min(self._longest, left)
         solver.step()
         if solver.status == "failed":
             raise Stuck

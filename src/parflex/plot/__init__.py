@@ -1,6 +1,6 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
-from parflex.plot.canvas import drawn, save
+from parflex.plot.canvas import drawn, figure, save
 from parflex.plot.robot import robot_at
 from parflex.plot.runs import (
     accelerations,
@@ -18,6 +18,7 @@ __all__ = [
     "attachment_deformation",
     "drawn",
     "energy",
+    "figure",
     "frequency_table",
     "mode_shapes",
     "origin_deformation",
