@@ -1,5 +1,6 @@
 """What the tests share: robots, models, random states, and the measure of agreement."""
 
+import sys
 from collections.abc import Callable
 
 import numpy as np
@@ -7,7 +8,11 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
-from verification import pytest_assertion_pass, pytest_sessionfinish  # noqa: F401 - hooks
+from parflex import cli
+
+pytest_plugins = ["verification"]
+
+np.set_printoptions(threshold=20, edgeitems=2)  # what an assertion is told of, passed ones too
 
 MODES = (0, 1, 10, 40)  # rigid, one, the paper's, many
 
@@ -59,3 +64,22 @@ def model_of() -> Callable[..., pf.Model]:
         return known[key]
 
     return get
+
+
+@pytest.fixture
+def parflex(monkeypatch, capsys, tmp_path):
+    """Runs the command in an empty folder; gives exit code, output and errors."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*words: str) -> tuple[int, str, str]:
+        monkeypatch.setattr(sys, "argv", ["parflex", *words])
+        code = 0
+        try:
+            cli.run()
+        except SystemExit as stop:
+            code = int(stop.code or 0)
+        out, err = capsys.readouterr()
+        return code, out, err
+
+    return run
