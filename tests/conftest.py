@@ -8,7 +8,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
-from parflex import cli
+from parflex import cli, paper
 
 pytest_plugins = ["verification"]
 
@@ -64,6 +64,12 @@ def model_of() -> Callable[..., pf.Model]:
         return known[key]
 
     return get
+
+
+@pytest.fixture(scope="session")
+def flown() -> paper.PaperRun:
+    """The paper's run at ten modes, from its static equilibrium."""
+    return paper.run(10)
 
 
 @pytest.fixture

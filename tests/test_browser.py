@@ -11,7 +11,6 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex import paper
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PICTURES = Path(os.environ.get("PARFLEX_SCREENSHOTS", "build/screenshots"))
@@ -24,9 +23,8 @@ pytestmark = pytest.mark.skipif(
 
 
 @pytest.fixture(scope="module")
-def run() -> pf.Result:
-    """The paper's run."""
-    return paper.run(10).result
+def run(flown) -> pf.Result:
+    return flown.result
 
 
 @pytest.fixture(scope="module")

@@ -11,11 +11,11 @@ from parflex import plot
 
 
 def test_paper_leaves_result_and_pictures(parflex, tmp_path):
-    code, out, err = parflex("paper", "--modes", "3", "--out", "here", "--format", "svg")
+    code, out, err = parflex("paper", "--modes", "2", "--out", "here", "--format", "svg")
     assert code == 0, err
     assert "largest position error" in out
     saved = pf.load_result(tmp_path / "here" / "result.nc")
-    assert saved.dataset.sizes["mode"] == 3
+    assert saved.dataset.sizes["mode"] == 2
     assert len(list((tmp_path / "here").glob("*.svg"))) == 8
 
 
