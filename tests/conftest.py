@@ -1,7 +1,8 @@
 """What the tests share: robots, models, random states, and the measure of agreement."""
 
+import signal
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import pytest
@@ -70,6 +71,14 @@ def model_of() -> Callable[..., pf.Model]:
 def flown() -> paper.PaperRun:
     """The paper's run at ten modes, from its static equilibrium."""
     return paper.run(10)
+
+
+@pytest.fixture
+def interruptible() -> Iterator[None]:
+    """Ctrl-C is heard, as it is not in what a shell runs in the background."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

@@ -143,6 +143,7 @@ def test_states_of_a_result_replay_the_models(model, held):
     assert np.allclose(held.dataset.joint[3], np.stack(q))
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_keeps_what_was_reached(model, tmp_path):
     _, forces = model.static(*model.robot.home_pose)
     pressed = []
@@ -192,6 +193,7 @@ def test_controller_that_fails_again_afterwards_keeps_the_run(model):
     assert np.all(np.isfinite(run.dataset.position))
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
     """Nothing of the run is Python: a signal that is sent amid it is seen between two chunks of steps."""
     model = model_of(3, "native")
