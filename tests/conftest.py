@@ -3,6 +3,7 @@
 import signal
 import sys
 from collections.abc import Callable, Iterator
+from functools import lru_cache
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from parflex import cli, paper
+from parflex.fe import plate
 
 pytest_plugins = ["verification"]
 
@@ -51,6 +53,20 @@ def actuated(robot: pf.Robot, q) -> np.ndarray:
     """(…, m) positions of the actuated joints, of joints (…, n_i) by leg."""
     driven = [bool(joint.mu) for leg in robot.legs for joint in leg.joints]
     return np.concatenate(q, axis=-1)[..., driven]
+
+
+@pytest.fixture(scope="session", autouse=True)
+def elements() -> Iterator[None]:
+    """The elements of a plate, most of the work at its modes, are made once for all robots that have it."""
+    make = plate.argyris
+
+    @lru_cache(maxsize=16)
+    def made(corners: tuple, refine: int):
+        return make(np.array(corners), refine)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(plate, "argyris", lambda corners, refine: made(tuple(map(tuple, corners)), refine))
+        yield
 
 
 @pytest.fixture(scope="session")
