@@ -18,12 +18,6 @@ SOURCES = Path(pf.__file__).parent
 EQUATIONS = range(1, 50)
 
 
-@pytest.fixture(scope="module")
-def flown():
-    """The paper's run at ten modes, from its static equilibrium."""
-    return paper.run()
-
-
 def test_every_equation_has_a_home():
     """The tags "# Eq. n" and "# Eqs. n, m" in the sources are Eqs. 1 … 49, none else."""
     found: dict[int, str] = {}

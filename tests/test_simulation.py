@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from parflex.compiled import kernels
+from parflex.progress import Progress
 from parflex.singular import Watch
 from parflex.spatial import quaternion_rate
 from parflex.state import Layout, coordinates, pack
@@ -142,6 +143,7 @@ def test_states_of_a_result_replay_the_models(model, held):
     assert np.allclose(held.dataset.joint[3], np.stack(q))
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_keeps_what_was_reached(model, tmp_path):
     _, forces = model.static(*model.robot.home_pose)
     pressed = []
@@ -191,14 +193,15 @@ def test_controller_that_fails_again_afterwards_keeps_the_run(model):
     assert np.all(np.isfinite(run.dataset.position))
 
 
-def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of):
-    """Nothing of the run is Python: the signal is seen between two chunks of steps."""
+@pytest.mark.usefixtures("interruptible")
+def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
+    """Nothing of the run is Python: a signal that is sent amid it is seen between two chunks of steps."""
     model = model_of(3, "native")
     start, forces = model.static(*model.robot.home_pose)
     hold = pf.JointPD(model, start, 1e6, 1e3, forces)
     times = np.linspace(0, 1000, 100_001)
-    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    timer = threading.Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
+    monkeypatch.setattr(Progress, "to", lambda bar, done: timer.ident or timer.start())
     run = pf.simulate(model, hold, model.robot.home, times)
     timer.join()
     assert run.partial
