@@ -4,11 +4,11 @@ import re
 from pathlib import Path
 from types import SimpleNamespace
 
+import given
 import numpy as np
 import pytest
 from scipy import sparse
 
-import given
 import parflex as pf
 
 PAGE = (Path(__file__).parent.parent / "docs" / "importing.md").read_text(encoding="utf-8")
