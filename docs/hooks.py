@@ -6,10 +6,12 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import equations
 from given import GIVEN
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
@@ -17,7 +19,6 @@ from mkdocs.structure.files import File
 ROOT = Path(__file__).parent.parent
 MEASURED = ROOT / "build" / "verification.json"
 SNIPPET = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-EQUATION = re.compile(r"^(.*?)#\s*((?:Eqs?\.)\s*[\d–,() a-z]+)")
 PRINTED = re.compile(r"<!-- printed: (.*) -->")
 MADE = (".png", ".svg", ".html")
 
@@ -54,7 +55,7 @@ def run(name: str, language: str, code: str, folder: Path) -> str:
     """What a page's code prints where its commands are found; an error ends the build."""
     shell = {"python": [sys.executable], "sh": ["bash", "-euo", "pipefail"]}[language]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = os.environ | {"MPLBACKEND": "Agg", "PATH": path}
+    environment = os.environ | {"MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1", "PATH": path}  # a core each
     done = subprocess.run(
         [*shell, "-c", code], cwd=folder, capture_output=True, text=True, env=environment, timeout=600
     )
@@ -79,18 +80,12 @@ def paragraph(text: str, start: str) -> str:
     return f"```text\n{found[0]}```"
 
 
-def equations() -> str:
-    """Every equation of the paper beside the line of code that it is."""
-    rows = []
-    for path in sorted((ROOT / "src").rglob("*.py")):
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-            found = EQUATION.match(line)
-            if found:
-                where = f"{path.relative_to(ROOT / 'src' / 'parflex')}:{number}"
-                rows.append((found[2].strip(), where, found[1].strip()))
-    rows.sort(key=lambda row: (int(re.search(r"\d+", row[0])[0]), row[1]))  # type: ignore[index]
-    cells = [(tag, f"`{code}`" if code else "", at) for tag, at, code in rows]
-    return table(("printed", "code", "where"), cells)
+def paper() -> str:
+    """Every equation of the paper beside the lines of code that it is."""
+    wrong = equations.contradictions()
+    if wrong:
+        raise PluginError("; ".join(wrong))
+    return equations.beside_the_code()
 
 
 def verification() -> str:
@@ -134,14 +129,15 @@ def reference() -> str:
     return "\n\n".join(f"# {title}\n\n" + "\n\n".join(found) for title, found in chapters.items())
 
 
-def table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Markdown; bars in cells are told apart from those of the table."""
     lines = [heads, ("---",) * len(heads), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "&#124;") for cell in line) + " |" for line in lines)
 
 
 MARKS = {
-    "<!-- equations -->": equations,
+    "<!-- equations -->": paper,
+    "<!-- errata -->": lambda: table(("where", "what is wrong"), equations.errata()),
     "<!-- verification -->": verification,
     "<!-- reference -->": reference,
 }
