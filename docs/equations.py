@@ -96,10 +96,10 @@ def row(equation: Equation, found: list[Line]) -> str:
 
 
 def mathml(latex: str) -> str:
-    """A formula that browsers draw by themselves."""
+    """A formula that browsers draw by themselves; hats, like dots, stand free of their letters."""
     from latex2mathml.converter import convert
 
-    return convert(latex)
+    return convert(latex).replace(' accent="true"', "")
 
 
 def errata() -> list[tuple[str, str]]:

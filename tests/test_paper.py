@@ -4,11 +4,11 @@ import importlib
 import re
 from pathlib import Path
 
+import equations
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
-import equations
 import oracle
 import parflex as pf
 from conftest import relative
@@ -26,7 +26,7 @@ def flown():
 
 
 def test_every_equation_has_a_home():
-    """The tags "# Eq. n" and "# Eqs. n, m" in the sources are Eqs. 1 … 49 but those said to be unused, none else."""
+    """The tags "# Eq. n" in the sources are Eqs. 1 … 49, but those said to be unused, and none else."""
     found: dict[int, str] = {}
     for path in SOURCES.rglob("*.py"):
         for tag in re.findall(r"# Eqs?\. ([\d, ]+)", path.read_text()):
