@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
+ENERGIES = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
 STYLES = ("-", "--", "-.", ":", (0, (5, 1)), (0, (3, 1, 1, 1)))
 
 
@@ -85,17 +86,17 @@ def drawn(fig: Figure) -> Drawn:
 def over_time(result: Result) -> dict[str, Figure]:
     """The figures of a run over time that its result has the data for, by what they show."""
     made = {
-        "Actuator forces": (actuator_forces, "forces"),
-        "Accelerations": (accelerations, "acceleration_error"),
-        "Deformation at the origin": (origin_deformation, "origin_deformation"),
-        "Deformation at the attachments": (attachment_deformation, "attachment_deformation"),
-        "Energy balance": (energy, "energy_residual"),
+        "Actuator forces": (actuator_forces, {"forces", "actuator_name"}),
+        "Accelerations": (accelerations, {"acceleration", "acceleration_error"}),
+        "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
+        "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
+        "Energy balance": (energy, {f"energy_{name}" for name in (*ENERGIES, "residual")}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
     return {
         words: draw(result)
         for words, (draw, needed) in made.items()
-        if needed in result.dataset and (bends or "Deformation" not in words)
+        if needed <= set(result.dataset.variables) and (bends or "Deformation" not in words)
     }
 
 
@@ -105,7 +106,7 @@ def actuator_forces(result: Result) -> Figure:
     ax = fig.subplots()
     data = result.dataset["forces"]
     curves(ax, data, "actuator", list(data["actuator_name"].values))
-    ax.set_ylabel(f"actuator force ({data.attrs['units']})")
+    ax.set_ylabel(f"actuator force ({data.attrs.get('units', 'N')})")
     time_label(ax)
     legend_right(ax)
     ax.set_title("Actuator forces")
@@ -182,8 +183,7 @@ def energy(result: Result) -> Figure:
     """The energy ledger and the residual of its balance."""
     fig = figure(7.0, 4.6)
     upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    names = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
-    for i, name in enumerate(names):
+    for i, name in enumerate(ENERGIES):
         data = result.dataset[f"energy_{name}"]
         words = {"gravity": "gravity (change)", "actuators": "work of actuators"}
         words["wrenches"] = "work of wrenches"
