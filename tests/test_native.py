@@ -14,7 +14,7 @@ import cases
 import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
-from parflex.compiled import cache, ir, kernels, native
+from parflex.compiled import cache, instructions, ir, kernels, native
 from parflex.compiled.loops import program
 from parflex.compiled.vm import VmBackend, VmFunction
 
@@ -108,7 +108,7 @@ def test_code_of_another_robot_is_noticed(model_of, own_cache):
 
 def test_wrong_code_falls_back(model_of, monkeypatch):
     """A compiler that errs: the virtual machine is used, and said."""
-    monkeypatch.setitem(ir.ARITHMETIC, next(iter(ir.ARITHMETIC)), "fsub")
+    monkeypatch.setitem(instructions.ARITHMETIC, next(iter(instructions.ARITHMETIC)), "fsub")
     with pytest.warns(UserWarning, match="differs from the reference.*is used instead"):
         found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
     assert isinstance(found, VmFunction)
@@ -120,6 +120,19 @@ def test_code_of_another_user_is_not_run(model_of, own_cache, monkeypatch):
     (path,) = own_cache.iterdir()
     monkeypatch.setattr(cache.os, "getuid", lambda: 12345)
     assert cache.load(path.stem) is None
+
+
+def test_what_was_not_used_for_longest_leaves_the_cache(model_of, own_cache, monkeypatch):
+    native.code(kernels.actuators(model_of(0).robot), 1)
+    (path,) = own_cache.iterdir()
+    entry = cache.load(path.stem)
+    for age, name in ((3, path.stem), (2, "older"), (1, "newer")):
+        cache.save(name, entry)
+        os.utime(own_cache / f"{name}.bin", (1e9 - age, 1e9 - age))
+    monkeypatch.setattr(cache, "LIMIT", 2.5 * path.stat().st_size)
+    assert cache.load(path.stem) is not None  # and so it is the youngest again
+    cache.save("newest", entry)
+    assert {p.stem for p in own_cache.iterdir()} == {path.stem, "newest"}
 
 
 def test_no_place_for_a_cache(model_of, own_cache, monkeypatch):

@@ -8,13 +8,15 @@ the difference: LAPACK for floats, unrolled loops for symbols.
 import math
 from collections.abc import Callable, Sequence
 from contextvars import ContextVar
-from typing import Any
+from itertools import pairwise
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]  # floats, or an object array of symbols
 DENSE = 2000  # entries of a table from which on a loop over it is shorter than straight-line code
+FEW = 4  # right-hand sides that are solved for one by one
 Given = Any  # a field that takes anything array-like and holds a checked float array
 
 
@@ -44,6 +46,15 @@ def join(parts: Sequence[Array]) -> Array:
 def merged(a: Array) -> Array:
     """The last two axes (…, r, c) as one (…, r c)."""
     return a.reshape(a.shape[:-2] + (a.shape[-2] * a.shape[-1],))
+
+
+def split(flat: Array, shapes: Sequence[tuple[int, ...]]) -> list[Array]:
+    """The parts (…, *shape) that lie side by side in the last axis."""
+    ends = pairwise(np.cumsum([0, *(math.prod(shape) for shape in shapes)]))
+    return [
+        flat[..., first:last].reshape(flat.shape[:-1] + shape)
+        for (first, last), shape in zip(ends, shapes, strict=True)
+    ]
 
 
 def block_diagonal(blocks: Array) -> Array:
@@ -118,13 +129,29 @@ def for_each(function: Callable[..., Array], rows: Sequence[Array], shared: Sequ
 
     While symbols are traced whoever is in `looping` may trace it for one row, as the body of a loop.
     """
-    loop = looping.get()
-    if loop is None or not any(a.dtype == object for a in (*rows, *shared)):
+    loop = recorder(*rows, *shared)
+    single = all(math.prod(a.shape[:-2]) == 1 for a in rows)  # otherwise these are rows of rows
+    if loop is None or not single or rows[0].shape[-2] < 2:
         return function(*rows, *shared)
     return loop(function, rows, shared)
 
 
-looping: ContextVar[Callable[..., Array] | None] = ContextVar("looping", default=None)
+class Loops(Protocol):
+    """Traces a function for one of many rows."""
+
+    lanes: int  # rows that share an instruction
+
+    def __call__(
+        self, function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array]
+    ) -> Array: ...
+
+
+looping: ContextVar[Loops | None] = ContextVar("looping", default=None)
+
+
+def recorder(*arrays: Array) -> Loops | None:
+    """Who records loops over arrays, of which some are of symbols."""
+    return looping.get() if any(a.dtype == object for a in arrays) else None
 
 
 def without_roundoff(values: Array, scale: float | None = None, tolerance: float = 1e-13) -> Array:
@@ -148,9 +175,17 @@ def lapack_solve(a: Array, b: Array) -> Array:
         return np.where(bad, np.nan, np.linalg.solve(np.where(bad, np.eye(a.shape[-1]), a), b))
 
 
-def solve_definite(a: Array, b: Array) -> Array:
-    """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c)."""
-    return factored_solve(factored(a), b)
+def solve_definite(a: Array, b: Array, step: int = 1) -> Array:
+    """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c).
+
+    Rows that lie `step` apart may be treated alike.
+    """
+    loop, n = recorder(a), a.shape[-1]
+    if loop is None or loop.lanes == 1 or n < 2 * step:
+        return factored_solve(factored(a), b)
+    order = np.arange(n).reshape(n // step, step).T.reshape(-1)
+    factor = factored_in_blocks(a[..., order, :][..., order], n // step)
+    return factored_solve(factor, b[..., order, :])[..., np.argsort(order), :]
 
 
 def factored(a: Array) -> Array:
@@ -172,10 +207,50 @@ def factored(a: Array) -> Array:
     return matrix(rows) if n else a
 
 
+def factored_in_blocks(a: Array, size: int) -> Array:
+    """`factored`, of symbols, the rows of a block of `size` treated alike."""
+    blocks = [slice(i, i + size) for i in range(0, a.shape[-1], size)]
+    part = {(i, j): a[..., p, q] for i, p in enumerate(blocks) for j, q in enumerate(blocks) if j <= i}
+    for j in range(len(blocks)):
+        part[j, j] = factored(part[j, j])
+        scaled = {}  # blocks of L D
+        for i in range(j + 1, len(blocks)):
+            both = for_each(below, [part[i, j]], [part[j, j]])
+            scaled[i], part[i, j] = both[..., :size], both[..., size:]
+        for i in range(j + 1, len(blocks)):
+            for k in range(j + 1, i + 1):
+                part[i, k] = for_each(without, [part[i, k], part[i, j]], [scaled[k]])
+    order = range(len(blocks))
+    return block([[part[i, j] if j <= i else transpose(part[j, i]) for j in order] for i in order])
+
+
+def below(rows: Array, pivot: Array) -> Array:
+    """Rows (…, R, c) of a matrix below a factored pivot (…, c, c): those of L D and those of L."""
+    scaled: list[Array] = []
+    for j in range(rows.shape[-1]):
+        entry = rows[..., j]
+        for k in range(j):
+            entry = entry - scaled[k] * pivot[..., j, k, None]
+        scaled.append(entry)
+    return stack([*scaled, *(entry / pivot[..., j, j, None] for j, entry in enumerate(scaled))])
+
+
+def without(rows: Array, lower: Array, scaled: Array) -> Array:
+    """rows − lower scaledᵀ."""
+    return rows - lower @ transpose(scaled)
+
+
 def factored_solve(factor: Array, b: Array) -> Array:
     """x with a x = b, for the factor of a: (…, n, n), (…, n, c) -> (…, n, c)."""
     if factor.dtype != object:
         return lapack_solve(factor, b)
+    if b.shape[-1] < FEW:
+        return substituted(factor, b)
+    return transpose(for_each(lambda b, F: transpose(substituted(F, transpose(b))), [transpose(b)], [factor]))
+
+
+def substituted(factor: Array, b: Array) -> Array:
+    """`factored_solve`, of symbols."""
     n = factor.shape[-1]
     x: list[Array] = []
     for i in range(n):

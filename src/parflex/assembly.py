@@ -21,6 +21,7 @@ from parflex.array import (
 )
 from parflex.chain import Frames
 from parflex.kinematics import PointMotion
+from parflex.legs.alike import leg_by_leg
 from parflex.legs.base import MARGINS, LegGroup
 from parflex.platform import PlatformTerms, platform_terms
 from parflex.robot import Robot
@@ -52,6 +53,7 @@ class System(NamedTuple):
     x: Coordinates
     legs: list[LegTerms]
     points: PointMotion  # of the attachments that are held
+    shapes: Array  # (k, 3, N), theirs
     W_p: Array  # (…, 6, 3k)
     W_e: Array  # (N, 3k)
     platform: PlatformTerms
@@ -68,7 +70,7 @@ def assemble(robot: Robot, x: Coordinates) -> System:
     places = by_group(robot, kinematics.position_in_world(points.r, x))
     moved = zip(robot.groups, places, by_group(robot, points.v), strict=True)
     legs = [leg_terms(robot, group, x, place, v) for group, place, v in moved]
-    return System(x, legs, points, W_p, W_e, platform)
+    return System(x, legs, points, shapes, W_p, W_e, platform)
 
 
 def assembled(robot: Robot, x: Array) -> System:
@@ -94,14 +96,33 @@ def by_group(robot: Robot, vectors: Array) -> list[Array]:
 
 def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, place: Array, v: Array) -> LegTerms:
     """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp."""
+    n, t = group.chain.n, len(group.tip_frames)
+    joint, frame = [(n,)] * 3, [(3, 3)] * n + [(3,)] * n
+    shapes = [*joint, *frame, *frame, (n,), (n, n), (n,), (3 * t, n), *[(3 * t,)] * 3, (), (), (1, 3, 3)]
+    rows = [merged(place), merged(v), x.q[..., group.carried], x.qd[..., group.carried]]
+    shared = [x.rotation, np.asarray(robot.gravity)]
+    found = leg_by_leg(group, terms_of, rows, shared, [*shapes, (t, 3), (t, 3)])
+    joints, frames, rest = found[:3], found[3 : 3 + 4 * n], found[3 + 4 * n :]
+    qd, A, c, J, Jdqd, gap, gap_rate, reach, regularity, *tips = rest
+    by_joint = Frames(*(frames[i * n : (i + 1) * n] for i in range(4)))
+    margins = (reach, regularity)
+    return LegTerms(group, chain.Joints(*joints), by_joint, qd, A, c, J, Jdqd, gap, gap_rate, margins, *tips)
+
+
+def terms_of(
+    group: LegGroup, place: Array, v: Array, q: Array, qd: Array, rotation: Array, gravity: Array
+) -> list[Array]:
+    """The fields of `LegTerms` in one list; place, v (…, L, 3t), rotation (…, 3, 3), gravity in Σ0."""
+    points = place.shape[:-1] + (len(group.tip_frames), 3)
     R_i0 = transpose(group.rotation)[:, None]
-    R_ip = R_i0 @ x.rotation[..., None, None, :, :]
-    place, velocity = mv(R_i0, place - group.origin[:, None]), mv(R_ip, v)
-    joints = group.type.joints(group, place, x.q[..., group.carried])
+    R_ip = R_i0 @ rotation[..., None, None, :, :]
+    place = mv(R_i0, place.reshape(points) - group.origin[:, None])
+    velocity = mv(R_ip, v.reshape(points))
+    joints = group.type.joints(group, place, q)
     frames = chain.frames(group.chain, joints)
-    qd = group.type.rates(group, frames, joints, place, velocity, x.qd[..., group.carried])
+    qd = group.type.rates(group, frames, joints, place, velocity, qd)
     rest = np.zeros(group.chain.n)
-    gravity = mtv(group.rotation, np.asarray(robot.gravity))
+    gravity = mtv(group.rotation, gravity)
     motions = chain.link_motions(group.chain, frames, qd, rest, gravity)
     R_pi = transpose(R_ip[..., 0, :, :])
     J, Jdqd, gap = [], [], []
@@ -112,24 +133,14 @@ def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, place: Array, v: Ar
         Jdqd.append(mv(R_pi, acceleration + gravity))
         gap.append(mv(R_pi, chain.tip_position(frames, j, offset) - place[..., t, :]))
     by_tip = np.concatenate(J, axis=-2)
-    return LegTerms(
-        group,
-        joints,
-        frames,
-        qd,
-        A=chain.inertia_matrix(group.chain, frames),
-        c=chain.inverse_dynamics(group.chain, frames, motions, rest)
-        + chain.friction(group.chain, qd)
-        + group.chain.k * chain.stretch(group.chain, joints),
-        J=by_tip,
-        Jdqd=np.concatenate(Jdqd, axis=-1),
-        gap=np.concatenate(gap, axis=-1),
-        gap_rate=mv(by_tip, qd) - merged(v),
-        margins=group.type.margins(group, joints, place),
-        R_ip=R_ip,
-        place=place,
-        velocity=velocity,
-    )
+    A = chain.inertia_matrix(group.chain, frames)
+    c = chain.inverse_dynamics(group.chain, frames, motions, rest) + chain.friction(group.chain, qd)
+    c = c + group.chain.k * chain.stretch(group.chain, joints)
+    gaps = np.concatenate(gap, axis=-1), mv(by_tip, qd) - v
+    margins = group.type.margins(group, joints, place)
+    by_joint = [part for parts in frames for part in parts]
+    moved = [qd, A, c, by_tip, np.concatenate(Jdqd, axis=-1), *gaps]
+    return [*joints, *by_joint, *moved, *margins, R_ip, place, velocity]
 
 
 def selection(group: LegGroup) -> Array:

@@ -15,43 +15,23 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex import kinematics
 from parflex.array import (
     Array,
-    block_diagonal,
-    join,
-    merged,
+    factored_solve,
+    for_each,
     mtv,
     mv,
     solve_definite,
     solve_least_norm,
+    stack,
     transpose,
 )
-from parflex.assembly import System, assemble, diagonal, selection
+from parflex.assembly import System, assemble
 from parflex.body import FlexibleBody
+from parflex.contact import Contact, contact_forces, contact_system, loaded
 from parflex.output import Output
 from parflex.robot import Robot
 from parflex.state import Coordinates
-
-
-class MobileInertia(NamedTuple):
-    """M_p⁻¹ with the modal block eliminated first: m_ee is constant, the rest has rank six."""
-
-    E: Array  # (…, 6, N), A_re m_ee⁻¹
-    A_s: Array  # (…, 6, 6), A_rr − E A_reᵀ
-    B: Array  # (…, 6, 3k), W_p − E W_e
-
-
-class Contact(NamedTuple):
-    """The contact system: C f = rhs + JAS Γ."""
-
-    inertia: MobileInertia
-    C: Array  # (…, 3k, 3k)
-    compliance: Array  # (…, 3k, 3k), the legs' part of C
-    rhs: Array  # (…, 3k)
-    JAS: Array  # (…, 3k, m)
-    c_s: Array  # (…, 6), c_r − E c_e
-    c_e: Array  # (…, N)
 
 
 class Acceleration(NamedTuple):
@@ -100,20 +80,27 @@ def inverse(
 
 
 def inverse_of(
-    robot: Robot, system: System, target: Array, wrench: Array, output: Output, preload: Array
+    robot: Robot,
+    system: System,
+    target: Array,
+    wrench: Array,
+    output: Output,
+    preload: Array,
+    unforeseen: Array | None = None,
 ) -> Inverse:
-    """The inverse model of an assembled system."""
-    contact = contact_system(robot, system, wrench)
-    columns = np.concatenate([contact.rhs[..., None], contact.JAS], axis=-1)
-    f = contact_forces(robot, contact.C, columns)
-    f_0, F = f[..., 0], f[..., 1:]
-    free = accelerations(robot.platform, system, contact, f_0)
+    """The inverse model of an assembled system; accelerations are those under one more load, unforeseen."""
     body, x = robot.platform, system.x
+    contact = contact_system(robot, system, wrench)
+    actual = contact if unforeseen is None else loaded(body, system, contact, unforeseen)
+    columns = np.concatenate([stack([contact.rhs, actual.rhs]), contact.JAS], axis=-1)
+    f = contact_forces(robot, contact.C, columns)
+    f_0, f_1, F = f[..., 0], f[..., 1], f[..., 2:]
+    free = accelerations(body, system, contact, f_0)
     gain = output.linear(body, x, *acceleration_map(body, system, contact, F))
     reached = output.linear(body, x, free.platform[..., None], free.elastic[..., None])[..., 0]
     reached = reached + output.drift(body, x) + mv(gain, preload)
     forces = preload + solve_least_norm(gain, target - reached)
-    driven = accelerations(robot.platform, system, contact, f_0 + mv(F, forces))
+    driven = accelerations(body, system, actual, f_1 + mv(F, forces))
     return Inverse(forces, driven, gain)
 
 
@@ -130,63 +117,20 @@ def gains(robot: Robot, system: System, output: Output) -> tuple[Array, Array]:
     return flexible, output.linear(body, system.x, Vd, still)
 
 
-def contact_forces(robot: Robot, C: Array, columns: Array) -> Array:
-    """f (…, 3k, c) with C f = columns (…, 3k, c): of least norm where rows depend on others.
-
-    Dependent rows are D times the independent ones, D = C_ds C_ss⁻¹, so that (f_s, f_d) acts as
-    f_s + Dᵀ f_d; the shortest pair with the same action has f_d = D f_s.
-    """
-    kept, dropped, order = robot.rows
-    C_s = C[..., kept, :]
-    right = np.concatenate([columns[..., kept, :], C_s[..., dropped]], axis=-1)
-    solved = solve_definite(C_s[..., kept], right)
-    count = columns.shape[-1]
-    f, D = solved[..., :count], transpose(solved[..., count:])
-    excess = solve_definite(np.eye(len(dropped)) + D @ transpose(D), D @ f)
-    f = f - transpose(D) @ excess
-    return np.concatenate([f, D @ f], axis=-2)[..., order, :]
-
-
-def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
-    """The system that is left when joint and platform accelerations are eliminated."""
-    body, (A_rr, A_re, c_r, c_e) = robot.platform, system.platform
-    c_r, c_e = c_r - wrench[..., :6], c_e - wrench[..., 6:]
-    E = transpose(body.modal_solve(transpose(A_re)))
-    softness = transpose(body.modal_solve(system.W_e))
-    A_s = A_rr - E @ transpose(A_re)
-    B = system.W_p - E @ system.W_e
-    c_s = c_r - mv(E, c_e)
-    held = solve_definite(A_s, np.concatenate([B, c_s[..., None]], axis=-1))
-    C = transpose(B) @ held[..., :-1] + softness @ system.W_e
-    rhs = mtv(B, held[..., -1]) + mv(softness, c_e)
-    rhs = rhs - kinematics.stacked(system.points.h)
-
-    compliance, driven, drift = [], [], []
-    for leg in system.legs:
-        S = np.broadcast_to(selection(leg.group), leg.A.shape[:-1] + (len(leg.group.actuated),))
-        columns = np.concatenate([transpose(leg.J), S, leg.c[..., None]], axis=-1)
-        solved = leg.J @ solve_definite(leg.A, columns)
-        contacts = leg.J.shape[-2]
-        compliance.append(block_diagonal(solved[..., :contacts]))
-        driven.append(block_diagonal(solved[..., contacts:-1]))
-        by_tip = leg.Jdqd - solved[..., -1]
-        drift.append(merged(by_tip))
-    JAS = diagonal(driven)[..., robot.force_order]
-    empty = np.zeros(0)
-    legs = diagonal(compliance)
-    return Contact(MobileInertia(E, A_s, B), C + legs, legs, rhs + join([empty, *drift]), JAS, c_s, c_e)
-
-
 def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array) -> Acceleration:
     """(V̇_p, q̈_e) = M_p⁻¹ (W f − c_p) for contact forces f (…, 3k)."""
-    driven = mv(contact.inertia.B, f) - contact.c_s
-    Vd = solve_definite(contact.inertia.A_s, driven[..., None])[..., 0]
+    E, A_s, B = contact.inertia
+    Vd = factored_solve(A_s, (mv(B, f) - contact.c_s)[..., None])[..., 0]
     elastic = body.modal_solve((mv(system.W_e, f) - contact.c_e)[..., None])[..., 0]
-    return Acceleration(Vd, elastic - mtv(contact.inertia.E, Vd), f)  # Eq. 43
+    return Acceleration(Vd, elastic - mtv(E, Vd), f)  # Eq. 43
 
 
 def acceleration_map(body: FlexibleBody, system: System, contact: Contact, F: Array) -> tuple[Array, Array]:
     """The linear part of `accelerations` for columns of contact forces (…, 3k, c)."""
-    Vd = solve_definite(contact.inertia.A_s, contact.inertia.B @ F)
-    elastic = body.modal_solve(system.W_e @ F)
-    return Vd, elastic - transpose(contact.inertia.E) @ Vd
+
+    def moved(F: Array, E: Array, A_s: Array, B: Array, soft: Array) -> Array:
+        Vd = factored_solve(A_s, B @ transpose(F))
+        return transpose(np.concatenate([Vd, soft @ transpose(F) - transpose(E) @ Vd], axis=-2))
+
+    both = for_each(moved, [transpose(F)], [*contact.inertia, body.modal_solve(system.W_e)])
+    return transpose(both[..., :6]), transpose(both[..., 6:])

@@ -45,11 +45,14 @@ def wrench_map(r: Array, shapes: Array) -> tuple[Array, Array]:
     Its transpose takes (V_p, q̇_e) to the velocities of the points.
     """
     k, modes = len(shapes), shapes.shape[-1]
-    side_by_side = np.moveaxis(skew(r), -3, -2).reshape(r.shape[:-2] + (3, 3 * k))
-    ones = np.tile(np.eye(3), (1, k))
-    W_p = block([[ones], [side_by_side]])  # Eqs. 26, 27, 30, 31, 32
+    W_p = np.moveaxis(tip_map(r), -3, -2).reshape(r.shape[:-2] + (6, 3 * k))  # Eqs. 26, 30, 31, 32
     W_e = transpose(shapes.reshape(3 * k, modes))  # Eqs. 27, 30, 31, 32
     return W_p, W_e
+
+
+def tip_map(r: Array) -> Array:
+    """(…, k, 6, 3): forces at points to the platform's force and moment."""
+    return block([[np.eye(3)], [skew(r)]])  # Eq. 27
 
 
 def stacked(vectors: Array) -> Array:

@@ -18,7 +18,6 @@ from parflex.array import (
     block,
     block_diagonal,
     cross,
-    factored,
     factored_solve,
     for_each,
     join,
@@ -32,15 +31,9 @@ from parflex.array import (
 )
 from parflex.assembly import System, by_group, diagonal, joint_accelerations
 from parflex.body import FlexibleBody
+from parflex.contact import Contact, contact_forces, contact_system
 from parflex.dual import jacobian
-from parflex.dynamics import (
-    Contact,
-    acceleration_map,
-    accelerations,
-    contact_forces,
-    contact_system,
-    inverse_of,
-)
+from parflex.dynamics import acceleration_map, accelerations, inverse_of
 from parflex.output import Output
 from parflex.platform import platform_terms
 from parflex.robot import Robot
@@ -230,7 +223,7 @@ def contact_response(robot: Robot, C: Array, MW: Array) -> Array:
     """Y = M_p⁻¹ W C⁻¹ (…, 6 + N, 3k), zero for rows that depend on others."""
     kept = robot.rows.kept
     if len(kept) == C.shape[-1]:
-        return for_each(lambda b, F: transpose(factored_solve(F, transpose(b))), [MW], [factored(C)])
+        return transpose(contact_forces(robot, C, transpose(MW)))
     Y = transpose(solve_definite(C[..., kept, :][..., kept], transpose(MW[..., kept])))
     every = np.concatenate([Y, 0.0 * MW[..., robot.rows.dropped]], axis=-1)
     return every[..., robot.rows.order]
@@ -249,6 +242,6 @@ def load_tangent(load: Load, x: Coordinates) -> Array:
 def inverse_inertia(body: FlexibleBody, contact: Contact) -> Array:
     """M_p⁻¹ (…, 6 + N, 6 + N)."""
     E = contact.inertia.E
-    A_i = solve_definite(contact.inertia.A_s, np.eye(6))
+    A_i = factored_solve(contact.inertia.A_s, np.eye(6))
     corner = A_i @ E
     return block([[A_i, -corner], [-transpose(corner), body.m_ee_inverse + transpose(E) @ corner]])

@@ -4,10 +4,7 @@ Small motions of the state are (δp 3 in Σ0, δθ 3 in Σp, δv_p 3, δω_p 3, 
 the attitude turned by R → R (1 + δθ̂).
 """
 
-import math
-from dataclasses import replace
-from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +14,6 @@ from parflex.array import (
     block,
     contract,
     cross,
-    for_each,
     join,
     merged,
     mtv,
@@ -30,13 +26,11 @@ from parflex.array import (
 from parflex.assembly import LegTerms
 from parflex.body import FlexibleBody
 from parflex.dual import jacobian
+from parflex.legs.alike import leg_by_leg
 from parflex.legs.base import LegGroup
 from parflex.platform import axial, contractions
 from parflex.robot import Robot
 from parflex.state import Coordinates
-
-INERTIAS = ("M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k")  # tables of a chain, by link
-GEOMETRY = ("gamma", "b", "alpha", "d", "theta", "r", "q_0")
 
 
 class PlatformTangent(NamedTuple):
@@ -137,33 +131,17 @@ def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
 
 
 def residual_tangent(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force: Array) -> Array:
-    """∂ of `leg_residual` by its seeds, (…, L, n + 3t, d); leg by leg where their geometry is the same."""
-    gravity = mtv(group.rotation, np.asarray(robot.gravity))
-    c, d = group.chain, seeds.shape[-1]
-    shapes = [getattr(c, name).shape[1:] for name in INERTIAS]
-    ends = list(pairwise(np.cumsum([0, *(math.prod(shape) for shape in shapes)])))
+    """∂ of `leg_residual` by its seeds, (…, L, n + 3t, d); (…, L)."""
+    push = (len(group.tip_frames), 3)
 
-    def tangent(seeds: Array, qdd: Array, force: Array, gravity: Array, tables: Array) -> Array:
-        parts = [tables[:, i:j].reshape((-1, *shape)) for (i, j), shape in zip(ends, shapes, strict=True)]
-        one = group
-        if len(tables) < len(group.legs):
-            rest: dict[str, Any] = {name: getattr(c, name)[:1] for name in GEOMETRY}
-            one = group._replace(chain=replace(c, **rest), offsets=group.offsets[:1], branch=group.branch[:1])
-        held: dict[str, Any] = dict(zip(INERTIAS, parts, strict=True))
-        one = one._replace(chain=replace(one.chain, **held))
-        push = force.reshape((*force.shape[:-1], force.shape[-1] // 3, 3))
-        return merged(jacobian(lambda x: leg_residual(one, x, qdd, push, gravity), seeds))
+    def tangent(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> list[Array]:
+        force = force.reshape(force.shape[:-1] + push)
+        local = mtv(group.rotation, gravity)
+        return [jacobian(lambda x: leg_residual(group, x, qdd, force, local), seeds)]
 
-    tables = [getattr(c, name).reshape(len(group.legs), -1) for name in INERTIAS]
-    rows = [seeds, qdd, merged(force), gravity, np.concatenate(tables, axis=-1)]
-    found = for_each(tangent, rows) if alike(group) else tangent(*rows)
-    return found.reshape((*found.shape[:-1], found.shape[-1] // d, d))
-
-
-def alike(group: LegGroup) -> bool:
-    """Whether the legs differ in nothing but inertia, friction, springs and where they stand."""
-    tables = [*(getattr(group.chain, name) for name in GEOMETRY), group.offsets, group.branch]
-    return all(np.all(table == table[:1]) for table in tables)
+    shape = (group.chain.n + 3 * len(group.tip_frames), seeds.shape[-1])
+    rows, shared = [seeds, qdd, merged(force)], [np.asarray(robot.gravity)]
+    return leg_by_leg(group, tangent, rows, shared, [shape])[0]
 
 
 def leg_residual(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> Array:

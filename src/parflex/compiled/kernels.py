@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from parflex import assembly, chain, dynamics
+from parflex import assembly, chain, contact, dynamics
 from parflex.array import Array, cross, dot, join, merged, mv, stack
 from parflex.closure import flat_state
 from parflex.output import Output
@@ -86,7 +86,7 @@ def contact_matrix(robot: Robot) -> Kernel:
     kept = robot.rows.kept
 
     def function(x: Array) -> tuple[Array, ...]:
-        C = dynamics.contact_system(robot, assembly.assembled(robot, x), np.zeros(6 + N)).C
+        C = contact.contact_system(robot, assembly.assembled(robot, x), np.zeros(6 + N)).C
         return (merged(C[..., kept, :][..., kept]),)
 
     return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,), (robot,))
@@ -98,20 +98,19 @@ def derivative(robot: Robot) -> Kernel:
 
     def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
         system = assembly.assembled(robot, x)
-        moved, powers, _ = motion_of(robot, system, x, u, w)
+        moved, powers = motion_of(robot, system, x, u, w, dynamics.direct_of(robot, system, u, w))
         return moved, powers, assembly.health(system)
 
     return Kernel("derivative", function, (n, m, 6 + N), (n, 3, assembly.health_size(robot)), (robot,))
 
 
 def motion_of(
-    robot: Robot, system: assembly.System, x: Array, u: Array, w: Array
-) -> tuple[Array, Array, Array]:
-    """ẋ, the powers of actuators, wrenches and damping (a loss), and the contact forces by tip."""
+    robot: Robot, system: assembly.System, x: Array, u: Array, w: Array, found: dynamics.Acceleration
+) -> tuple[Array, Array]:
+    """ẋ of what the direct model found, and the powers of actuators, wrenches and damping (a loss)."""
     c = system.x
-    Vd, qdd_e, f = dynamics.direct_of(robot, system, u, w)
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
-    rate = Vd - join([cross(omega, v_p), np.zeros(3)])
+    rate = found.platform - join([cross(omega, v_p), np.zeros(3)])
     lost = dot(c.elastic_rate, robot.platform.damping * c.elastic_rate)
     for leg in system.legs:
         lost = lost + np.sum(dot(leg.qd, chain.friction(leg.group.chain, leg.qd)), axis=-1)
@@ -121,9 +120,9 @@ def motion_of(
         lost,
     ]
     turn = quaternion_rate(x[..., 3:7], omega)
-    carried = [c.qd, assembly.carried_accelerations(robot, system, u, f)]
-    moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, qdd_e, *carried])
-    return moved, join([power[..., None] for power in powers]), f
+    carried = [c.qd, assembly.carried_accelerations(robot, system, u, found.contact)]
+    moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, found.elastic, *carried])
+    return moved, join([power[..., None] for power in powers])
 
 
 def projection(robot: Robot) -> Kernel:
@@ -135,11 +134,11 @@ def projection(robot: Robot) -> Kernel:
 
     def function(x: Array) -> tuple[Array, ...]:
         system = assembly.assembled(robot, x)
-        contact = dynamics.contact_system(robot, system, np.zeros(6 + N))
+        held = contact.contact_system(robot, system, np.zeros(6 + N))
         gap = join([np.zeros(0), *(merged(leg.gap) for leg in system.legs)])
         gap_rate = join([np.zeros(0), *(merged(leg.gap_rate) for leg in system.legs)])
-        pulls = dynamics.contact_forces(robot, contact.C, stack([gap, gap_rate]))
-        (pose, bend), c = dynamics.acceleration_map(robot.platform, system, contact, pulls), system.x
+        pulls = contact.contact_forces(robot, held.C, stack([gap, gap_rate]))
+        (pose, bend), c = dynamics.acceleration_map(robot.platform, system, held, pulls), system.x
         q, qd = (assembly.carried_pull(robot, system, pulls[..., i]) for i in (0, 1))
         turned = x[..., 3:7] + quaternion_rate(x[..., 3:7], pose[..., 3:, 0])
         turned = turned / np.sqrt(dot(turned, turned))[..., None]

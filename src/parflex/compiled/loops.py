@@ -1,10 +1,11 @@
 """Kernels traced with their loops: what is done alike for many rows is traced once, for one of them.
 
 The main graph stores the arguments of a loop as one of its outputs, and reads the results as one of its
-inputs; machine code runs the loop between the two, several rows per instruction.
+inputs; machine code runs the loop between the two, several rows per instruction. What is a result of an
+earlier loop is read where that has left it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import casadi
@@ -12,24 +13,42 @@ import numpy as np
 
 from parflex.array import Array, looping
 from parflex.compiled.kernels import Kernel
-from parflex.compiled.symbol import Symbol, symbols, vector
+from parflex.compiled.recorder import Recorded, Recorder, free, names, operations
+from parflex.compiled.symbol import Symbol, vector
 from parflex.compiled.vm import traced
 
-WORTH = 1000  # operations from which on a loop is shorter than what it does
+
+class Source(NamedTuple):
+    """Where a loop finds an argument: among its own, which the main graph stores, or, `row` rows down,
+    in an output of an earlier loop."""
+
+    loop: int | None
+    entry: int
+    row: int = 0
 
 
 class Loop(NamedTuple):
     """One row's graph (shared, columns, table) -> outputs, and how often it runs.
 
-    Its arguments are the shared values, then column by column what differs by row.
+    Its own arguments are shared values, then column by column what differs by row.
     """
 
     graph: casadi.Function
     rows: int
-    shared: int
-    columns: int
+    shared: list[Source]
+    columns: list[Source]
     table: Array  # (c, rows), constants that differ by row
     outputs: int
+
+    @property
+    def own_shared(self) -> int:
+        """How many of its own arguments are shared."""
+        return sum(source.loop is None for source in self.shared)
+
+    @property
+    def own_columns(self) -> int:
+        """How many of its own arguments are columns."""
+        return sum(source.loop is None for source in self.columns)
 
 
 class Program(NamedTuple):
@@ -45,117 +64,61 @@ class Program(NamedTuple):
         return operations(self.graph) + sum(loop.rows * operations(loop.graph) for loop in self.loops)
 
 
-def program(kernel: Kernel) -> Program:
-    """A kernel traced, its loops apart."""
-    recorder = Recorder()
+def program(kernel: Kernel, lanes: int = 1) -> Program:
+    """A kernel traced, its loops apart; `lanes` rows of a loop share an instruction."""
+    recorder = Recorder(lanes)
     token = looping.set(recorder)
     try:
         inputs, outputs = traced(kernel)
     finally:
         looping.reset(token)
-    given, found = inputs + recorder.results, recorder.arguments + outputs
-    return Program(casadi.Function(kernel.name, given, found, {"cse": True}), recorder.loops)
+    alive = in_use(recorder.loops, outputs)
+    loops, arguments = linked(alive)
+    results = [casadi.vertcat(*(x for column in loop.results for x in column)) for loop in alive]
+    graph = casadi.Function(kernel.name, inputs + results, arguments + outputs, {"cse": True})
+    return Program(graph, loops)
 
 
-class Recorder:
-    """Turns `array.for_each` into loops."""
-
-    def __init__(self) -> None:
-        self.loops: list[Loop] = []
-        self.arguments: list[casadi.SX] = []
-        self.results: list[casadi.SX] = []
-
-    def __call__(
-        self, function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array]
-    ) -> Array:
-        """The results (1, R, m) of a function of rows (1, R, n_i) and of what they share."""
-        count = rows[0].shape[-2]
-        one, known, columns, table = Inputs(), Inputs(), [], []
-        given = [common(known, array) for array in shared]
-        singles = []
-        for array in rows:
-            flat = array.reshape(count, array.shape[-1])
-            single = np.empty((1,) * (array.ndim - 1) + flat.shape[-1:], dtype=object)
-            line = single.reshape(-1)
-            for j, column in enumerate(flat.T):
-                if not any(isinstance(value, Symbol) for value in column):
-                    if all(value == column[0] for value in column):
-                        line[j] = float(column[0])
-                        continue
-                    table.append(column.astype(float))
-                    line[j] = None
-                else:
-                    line[j] = one.new(column)
-                    columns.append(column)
-            singles.append(single)
-        constants = casadi.SX.sym("t", len(table))
-        place = iter(range(len(table)))
-        for single in singles:
-            for where, value in np.ndenumerate(single):
-                if value is None:
-                    single[where] = Symbol(constants[next(place)])
-        found = function(*singles, *given)
-        entries = [v for v in found.reshape(-1) if isinstance(v, Symbol)]
-        graph = casadi.Function(
-            "row",
-            [known.vector("s"), one.vector("c"), constants],
-            [vector(np.array(entries, dtype=object))],
-            {"cse": True},
-        )
-        if operations(graph) * count < WORTH:
-            return function(*rows, *shared)
-        self.arguments.append(
-            vector(np.array([*known.values, *(v for c in columns for v in c)], dtype=object))
-        )
-        results, values = symbols(f"r{len(self.loops)}", len(entries) * count)
-        self.results.append(results)
-        held = np.array(table).reshape(len(table), count)
-        self.loops.append(Loop(graph, count, len(known.values), len(columns), held, len(entries)))
-        out = np.empty((1, count, found.shape[-1]), dtype=object)
-        number = 0
-        for j, value in enumerate(found.reshape(-1)):
-            if isinstance(value, Symbol):
-                out[0, :, j] = values[number * count : (number + 1) * count]
-                number += 1
-            else:
-                out[0, :, j] = value
-        return out
+def in_use(recorded: list[Recorded], outputs: list[casadi.SX]) -> list[Recorded]:
+    """The loops whose results somebody reads, without those that nobody does."""
+    live = free(outputs)
+    for loop in reversed(recorded):
+        loop.prune(live)
+        live |= free([vector(np.array([*loop.known.values, *(v for c in loop.one.values for v in c)]))])
+    return [loop for loop in recorded if loop.outputs]
 
 
-class Inputs:
-    """Symbols that stand for values of the main graph."""
-
-    def __init__(self) -> None:
-        self.values: list[Any] = []
-        self.symbols: list[casadi.SX] = []
-
-    def new(self, value: Any) -> Symbol:
-        """A symbol for one more value."""
-        self.values.append(value)
-        self.symbols.append(casadi.SX.sym("v"))
-        return Symbol(self.symbols[-1])
-
-    def vector(self, name: str) -> casadi.SX:
-        """All symbols as one input."""
-        return casadi.vertcat(*self.symbols) if self.symbols else casadi.SX.sym(name, 0)
-
-
-def common(known: Inputs, array: Array) -> Array:
-    """The array with symbols of its own, each value once; constants stay."""
-    if array.dtype != object:
-        return array
-    seen: dict[int, Symbol] = {}
-    out = np.empty(array.shape, dtype=object)
-    for place, value in np.ndenumerate(array):
-        if isinstance(value, Symbol):
-            if id(value) not in seen:
-                seen[id(value)] = known.new(value)
-            value = seen[id(value)]
-        out[place] = value
-    return out
+def linked(recorded: list[Recorded]) -> tuple[list[Loop], list[casadi.SX]]:
+    """The loops, knowing where they find what they read, and what the main graph stores for them."""
+    made = {
+        name: Source(number, entry, row)
+        for number, loop in enumerate(recorded)
+        for entry, column in enumerate(loop.results)
+        for row, name in enumerate(names(column))
+    }
+    loops, arguments = [], []
+    for loop in recorded:
+        single: list[Any] = []
+        wide: list[Any] = []
+        shared = [place_of(made, [value]) or one_more(single, value) for value in loop.known.values]
+        columns = [place_of(made, column) or one_more(wide, column) for column in loop.one.values]
+        table = np.array(loop.constants.values).reshape(-1, loop.rows)
+        loops.append(Loop(loop.graph, loop.rows, shared, columns, table, len(loop.outputs)))
+        own = single + [value for column in wide for value in column]
+        arguments.append(vector(np.array(own or [0.0], dtype=object)))
+    return loops, arguments
 
 
-def operations(graph: casadi.Function) -> int:
-    """Instructions that compute."""
-    moves = (casadi.OP_INPUT, casadi.OP_OUTPUT, casadi.OP_CONST)
-    return sum(graph.instruction_id(k) not in moves for k in range(graph.n_instructions()))
+def place_of(made: dict[int, Source], column: Sequence[Any]) -> Source | None:
+    """Where values lie below one another in the output of a loop, if they do."""
+    places = [made.get(value.x.element_hash()) if isinstance(value, Symbol) else None for value in column]
+    first = places[0]
+    if first is None or any(place != first._replace(row=first.row + i) for i, place in enumerate(places)):
+        return None
+    return first
+
+
+def one_more(own: list[Any], value: Any) -> Source:
+    """The place of one more argument of a loop's own."""
+    own.append(value)
+    return Source(None, len(own) - 1)

@@ -2,7 +2,7 @@
 
 All read (x, t 1, row, w 6 + N, pushes 6 L), with `row` what the law reads at that time, w a
 generalised force, and pushes the wrenches (F, N) at some places of the platform; and give
-(Γ, ẋ, powers, contact forces by tip, health) as in `kernels.motion_of`. The law knows of no load.
+(Γ, ẋ, powers, contact forces by tip, health) as in `kernels.motion_of`. The law reckons with no load.
 """
 
 from collections.abc import Callable
@@ -12,6 +12,7 @@ import numpy as np
 from parflex import assembly, dynamics
 from parflex.array import Array, join, mtv, mv, transpose
 from parflex.compiled.kernels import Kernel, motion_of, sizes
+from parflex.dynamics import Acceleration
 from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
@@ -20,12 +21,17 @@ from parflex.wrench import Place, pushed
 
 GAINS = 12  # kp 6, kd 6
 Places = tuple[Place, ...]
-Forces = Callable[[assembly.System, Array, Array], Array]  # of the system, the time (…,) and the row
+Answer = tuple[Array, Acceleration]  # Γ, and what moves under it and the load
+Law = Callable[[assembly.System, Array, Array, Array], Answer]  # of the system, time (…,), row and load
 
 
 def steady(robot: Robot, places: Places) -> Kernel:
     """Forces as they stand in the row (m)."""
-    return motion("steady", robot, robot.n_forces, lambda system, t, row: row, places)
+
+    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
+        return row, dynamics.direct_of(robot, system, row, load)
+
+    return motion("steady", robot, robot.n_forces, law, places)
 
 
 def springs(robot: Robot, places: Places) -> Kernel:
@@ -36,14 +42,15 @@ def springs(robot: Robot, places: Places) -> Kernel:
     m = robot.n_forces
     slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
 
-    def forces(system: assembly.System, t: Array, row: Array) -> Array:
+    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
         preload, kp, kd, wanted = (row[..., i * m : (i + 1) * m] for i in range(4))
         ahead = wanted - assembly.actuated_positions(robot, system)
         turned = np.arctan2(np.sin(ahead), np.cos(ahead))
         ahead = slides * ahead + (1 - slides) * turned
-        return preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+        u = preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+        return u, dynamics.direct_of(robot, system, u, load)
 
-    return motion("springs", robot, 4 * m, forces, places)
+    return motion("springs", robot, 4 * m, law, places)
 
 
 def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
@@ -54,7 +61,7 @@ def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
     error is the axial part of RᵀR_d, which for small angles is their rotation vector.
     """
 
-    def forces(system: assembly.System, t: Array, row: Array) -> Array:
+    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
         wanted, now = along(row[..., :SEGMENT], t), system.x
         gains, preload = row[..., SEGMENT : SEGMENT + GAINS], row[..., SEGMENT + GAINS :]
         R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
@@ -67,21 +74,23 @@ def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
         kp, kd = gains[..., :6], gains[..., 6:]
         target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
         none = np.zeros(6 + robot.platform.modes)
-        return dynamics.inverse_of(robot, system, target, none, output, preload).forces
+        found = dynamics.inverse_of(robot, system, target, none, output, preload, unforeseen=load)
+        return found.forces, found.acceleration
 
-    return motion("tracking", robot, SEGMENT + GAINS + robot.n_forces, forces, places, output)
+    return motion("tracking", robot, SEGMENT + GAINS + robot.n_forces, law, places, output)
 
 
-def motion(name: str, robot: Robot, row_size: int, forces: Forces, places: Places, *chosen: Output) -> Kernel:
-    """The kernel of a law that is given by its forces."""
+def motion(name: str, robot: Robot, row_size: int, law: Law, places: Places, *chosen: Output) -> Kernel:
+    """The kernel of a law."""
     n, N, m, k = sizes(robot)
 
     def function(x: Array, t: Array, row: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
         system = assembly.assembled(robot, x)
         c = system.x
-        u = forces(system, t[..., 0], row)
         load = w + pushed(robot.platform, places, pushes, c.rotation, c.elastic)
-        return (u, *motion_of(robot, system, x, u, load), assembly.health(system))
+        u, found = law(system, t[..., 0], row, load)
+        moved, powers = motion_of(robot, system, x, u, load, found)
+        return u, moved, powers, found.contact, assembly.health(system)
 
     inputs = (n, 1, row_size, 6 + N, 6 * len(places))
     outputs = (m, n, 3, k, assembly.health_size(robot))

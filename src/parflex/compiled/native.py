@@ -148,7 +148,7 @@ class Unsound(Exception):
 def compiled(kernel: Kernel, lanes: int) -> store.Entry:
     """A kernel traced and compiled, with a probe and the reference's answer to it."""
     with waiting(f"compiling the {kernel.name} model"):
-        text = module(program(kernel), lanes, widest())
+        text = module(program(kernel, widest() if lanes == 1 else 1), lanes, widest())
         object_code = machine().emit_object(llvm.parse_assembly(text))
     probe = kernel.probe(2 * lanes)
     return store.Entry(object_code, probe, list(NumpyFunction(kernel)(*probe)))

@@ -91,8 +91,7 @@ def symbols(name: str, size: int) -> tuple[casadi.SX, Array]:
     """A symbolic input vector, for CasADi and as an array for the mechanics."""
     vector = casadi.SX.sym(name, size)
     array = np.empty(size, dtype=object)
-    for i in range(size):
-        array[i] = Symbol(vector[i])
+    array[:] = [Symbol(x) for x in vector.elements()]
     return vector, array
 
 
