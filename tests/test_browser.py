@@ -1,10 +1,13 @@
 """The exported page and the live one in a real browser, headless Chromium under software rendering."""
 
+import json
 import os
 import shutil
 import subprocess
 import sys
 import threading
+import time
+from contextlib import contextmanager
 from pathlib import Path
 
 import numpy as np
@@ -307,15 +310,52 @@ def test_what_is_missing_is_said_and_the_rest_is_shown(open_page, run, tmp_path,
     assert page.complaints == []
 
 
-def test_notebook_frame_plays(open_page, run, tmp_path):
-    """What a notebook shows is a frame; in it the robot moves."""
-    (tmp_path / "cell.html").write_text(pf.view(run, curves=False)._repr_html_())
-    page = open_page((tmp_path / "cell.html").as_uri())
-    frame = page.page.frames[1]
-    frame.wait_for_function("window.parflex?.state.firstPicture")
-    before = frame.evaluate("parflex.state.time")
-    frame.wait_for_function("(before) => parflex.state.time > before + 0.1", arg=before)
+@contextmanager
+def jupyterlab(folder: Path):
+    """The address of a JupyterLab that serves a folder."""
+    pytest.importorskip("jupyterlab", reason="JupyterLab runs the notebook")
+    places = {f"JUPYTER_{kind}_DIR": str(folder / kind) for kind in ("CONFIG", "DATA", "RUNTIME")}
+    command = [sys.executable, "-m", "jupyterlab", "--no-browser", "--allow-root", "--ServerApp.port=0"]
+    with open(folder / "log.txt", "w") as log:
+        server = subprocess.Popen(command, cwd=folder, env=os.environ | places, stderr=log)
+        try:
+            until = time.monotonic() + PATIENCE
+            while not (told := list(folder.glob("RUNTIME/jpserver-*.json"))) and time.monotonic() < until:
+                time.sleep(0.2)
+            assert told, (folder / "log.txt").read_text()
+            about = json.loads(told[0].read_text())
+            yield f"{about['url']}doc/tree/robot.ipynb?token={about['token']}"
+        finally:
+            server.terminate()
+            server.wait(timeout=PATIENCE)
+
+
+def test_notebook_in_jupyterlab(open_page, saved, run, tmp_path):
+    """A cell that is run there: its frame plays, and the slider puts the platform where the dataset says."""
+    import nbformat
+
+    shutil.copy(saved, tmp_path / "result.nc")
+    cell = nbformat.v4.new_code_cell("import parflex as pf\npf.view('result.nc', curves=False)")
+    python = {"kernelspec": {"name": "python3", "display_name": "Python 3"}}
+    nbformat.write(nbformat.v4.new_notebook(cells=[cell], metadata=python), tmp_path / "robot.ipynb")
+    with jupyterlab(tmp_path) as address:
+        page = open_page(address, offline=False)
+        page.page.locator(".jp-CodeCell .cm-content").first.click(timeout=60_000)
+        page.page.wait_for_selector("[data-status=idle]", state="attached")
+        page.page.keyboard.press("Control+Enter")
+        shown = page.page.wait_for_selector(".jp-OutputArea iframe")
+        frame = shown.content_frame()
+        frame.wait_for_function("window.parflex?.state.firstPicture")
+        assert frame.locator("#robot canvas").first.is_visible()
+        before = frame.evaluate("parflex.state.time")
+        frame.wait_for_function("(before) => parflex.state.time > before + 0.1", arg=before)
+        frame.locator("#slider").fill("2.8")
+        place = np.reshape(frame.evaluate(PLATE)["place"], (4, 4)).T
+        assert np.allclose(place[:3, 3], run.dataset["position"].interp(time=2.8).values, atol=1e-6)
+        page.keep("jupyterlab_1280")
     assert page.complaints == []
+    own = (address.split("doc/")[0], "data:", "blob:")
+    assert [url for url in page.asked if not url.startswith(own)] == []
 
 
 def test_stress_in_the_page_is_that_of_the_recovery(open_page, tmp_path):

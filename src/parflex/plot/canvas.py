@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -15,9 +15,6 @@ from parflex.array import Array
 from parflex.errors import InputError
 from parflex.files.writing import replacing
 from parflex.result import Result
-
-if TYPE_CHECKING:
-    pass
 
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")

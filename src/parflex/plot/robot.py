@@ -1,6 +1,6 @@
 """Pictures of robots at one state."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from matplotlib.colors import Normalize
@@ -10,9 +10,6 @@ from mpl_toolkits.mplot3d.art3d import Line3DCollection, Poly3DCollection
 from parflex.array import Array
 from parflex.plot.canvas import COLOURS, figure, frame_axes
 from parflex.sketch import Sketch
-
-if TYPE_CHECKING:
-    pass
 
 
 def robot_at(sketch: Sketch, title: str = "") -> Figure:

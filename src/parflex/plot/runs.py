@@ -1,31 +1,28 @@
 """Pictures of runs over time."""
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from matplotlib.figure import Figure
 
 from parflex.plot.canvas import COLOURS, STYLES, curves, figure, legend_right, require, time_label
 from parflex.result import Result
 
-if TYPE_CHECKING:
-    pass
+ENERGIES = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
 
 
 def over_time(result: Result) -> dict[str, Figure]:
     """The figures of a run over time that its result has the data for, by what they show."""
     made = {
-        "Actuator forces": (actuator_forces, "forces"),
-        "Accelerations": (accelerations, "acceleration_error"),
-        "Deformation at the origin": (origin_deformation, "origin_deformation"),
-        "Deformation at the attachments": (attachment_deformation, "attachment_deformation"),
-        "Energy balance": (energy, "energy_residual"),
+        "Actuator forces": (actuator_forces, {"forces", "actuator_name"}),
+        "Accelerations": (accelerations, {"acceleration", "acceleration_error"}),
+        "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
+        "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
+        "Energy balance": (energy, {f"energy_{name}" for name in (*ENERGIES, "residual")}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
     return {
         words: draw(result)
         for words, (draw, needed) in made.items()
-        if needed in result.dataset and (bends or "Deformation" not in words)
+        if needed <= set(result.dataset.variables) and (bends or "Deformation" not in words)
     }
 
 
@@ -35,7 +32,7 @@ def actuator_forces(result: Result) -> Figure:
     ax = fig.subplots()
     data = result.dataset["forces"]
     curves(ax, data, "actuator", list(data["actuator_name"].values))
-    ax.set_ylabel(f"actuator force ({data.attrs['units']})")
+    ax.set_ylabel(f"actuator force ({data.attrs.get('units', 'N')})")
     time_label(ax)
     legend_right(ax)
     ax.set_title("Actuator forces")
@@ -112,8 +109,7 @@ def energy(result: Result) -> Figure:
     """The energy ledger and the residual of its balance."""
     fig = figure(7.0, 4.6)
     upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    names = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
-    for i, name in enumerate(names):
+    for i, name in enumerate(ENERGIES):
         data = result.dataset[f"energy_{name}"]
         words = {"gravity": "gravity (change)", "actuators": "work of actuators"}
         words["wrenches"] = "work of wrenches"
