@@ -68,7 +68,7 @@ class Law:
 
     @property
     def differentiable(self) -> bool:
-        """Whether `jacobian` is known."""
+        """Whether there is a `jacobian`: nobody is called, and the state carries no joints."""
         return self.alone and self.robot.layout.carried == 0
 
     def rate(self, t: float, x: Array) -> tuple[Array, Array]:
@@ -82,10 +82,8 @@ class Law:
         singular.check_legs(self.robot, health)
         return moved, powers
 
-    def jacobian(self, t: float, x: Array) -> Array | None:
-        """∂(ẋ, powers)/∂x (size + 3, size), exact; None where the law is not differentiable."""
-        if not self.differentiable:
-            return None
+    def jacobian(self, t: float, x: Array) -> Array:
+        """∂(ẋ, powers)/∂x (size + 3, size), exact; of a law that is `differentiable`."""
         run, found = self._slopes
         self._read(t, x)
         run()

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex import chain
-from parflex.array import Array, block, dot, join, merged, skew, stack, transpose
+from parflex.array import Array, block, dot, for_each, join, merged, mv, skew, split, stack, transpose
 from parflex.assembly import LegTerms, System, by_group
 from parflex.dual import jacobian
 from parflex.legs.alike import leg_by_leg
@@ -25,15 +25,23 @@ class JointTangent(NamedTuple):
 
 def joint_tangent(robot: Robot, system: System) -> JointTangent:
     """By way of the places and velocities of the legs' tips."""
-    positions, rates, lost = [], [], []
-    for leg, motions in zip(system.legs, by_group(robot, tip_motions(system)), strict=True):
-        found, a = by_tips(leg, system.x) @ of_each_leg(motions), len(leg.group.actuated)
-        positions.append(rows_of(found[..., :a, :]))
-        rates.append(rows_of(found[..., a:-1, :]))
-        lost.append(found[..., -1, :])
-    q, qd, lost_by_leg = (np.concatenate(parts, axis=-2) for parts in (positions, rates, lost))
-    order = robot.force_order
-    return JointTangent(q[..., order, :], qd[..., order, :], np.sum(lost_by_leg, axis=-2))
+    m = robot.n_forces
+    shapes = [(len(g.legs), 6 * len(g.tip_frames)) for g in robot.groups]
+
+    def joints(motions: Array, *maps: Array) -> Array:
+        """(q_a, q̇_a, friction's power) by group (…, D, 2m + 1), of motions of the tips (…, D, 6k)."""
+        q, qd, lost = [], [], np.zeros(1)
+        for by_tip, tips in zip(maps, split(motions, shapes), strict=True):
+            by_leg = mv(by_tip[..., None, :, :, :], tips)
+            half = by_leg.shape[-1] // 2
+            q.append(merged(by_leg[..., :half]))
+            qd.append(merged(by_leg[..., half:-1]))
+            lost = lost + np.sum(by_leg[..., -1:], axis=-2)
+        return join([*q, *qd, lost])
+
+    found = for_each(joints, [tip_motions(robot, system)], [by_tips(leg, system.x) for leg in system.legs])
+    rows, order = transpose(found), robot.force_order
+    return JointTangent(rows[..., order, :], rows[..., m:-1, :][..., order, :], rows[..., -1, :])
 
 
 def by_tips(leg: LegTerms, x: Coordinates) -> Array:
@@ -63,23 +71,17 @@ def joints_of(group: LegGroup, seeds: Array) -> Array:
     return stack([*q_a, *qd_a, dot(qd, chain.friction(c, qd))])
 
 
-def tip_motions(system: System) -> Array:
-    """∂ of places and velocities of the tips in Σp, (…, k, 2 · 3 (12 + 2 N)), by the small motions."""
+def tip_motions(robot: Robot, system: System) -> Array:
+    """Places and velocities of the tips in Σp, leg by leg (…, 12 + 2 N, 6k), of each small motion."""
     x, (r, v, _), Phi = system.x, system.points, system.shapes
     axes, w = transpose(x.rotation)[..., None, :, :], skew(x.twist[..., None, 3:])
     one, none, unbent = np.eye(3), np.zeros((3, 3)), np.zeros(Phi.shape)
     place = block([[axes, -skew(r), none, none, Phi, unbent]])
     velocity = block([[none, -skew(v), one, -skew(r), w @ Phi, Phi]])
-    return join([merged(place), merged(velocity)])
-
-
-def of_each_leg(motions: Array) -> Array:
-    """Motions of the tips (…, L, t, 6 D) as one matrix (…, L, 6t, D) per leg, places first."""
-    *batch, t, size = motions.shape
-    parts = motions.reshape((*batch, t, 2, 3, size // 6))
-    return np.moveaxis(parts, -3, -4).reshape((*batch, 6 * t, size // 6))
-
-
-def rows_of(by_leg: Array) -> Array:
-    """(…, L, a, D) as (…, L a, D)."""
-    return by_leg.reshape((*by_leg.shape[:-3], by_leg.shape[-3] * by_leg.shape[-2], by_leg.shape[-1]))
+    both = np.concatenate(np.broadcast_arrays(place, velocity), axis=-2)
+    D, parts = both.shape[-1], []
+    for tips in by_group(robot, merged(both)):
+        count, t = tips.shape[-3:-1]
+        by_leg = np.moveaxis(tips.reshape((*tips.shape[:-1], 2, 3, D)), -3, -4)
+        parts.append(by_leg.reshape((*tips.shape[:-3], count * t * 6, D)))
+    return transpose(np.concatenate(parts, axis=-2))

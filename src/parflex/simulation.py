@@ -19,7 +19,7 @@ from parflex.record import record
 from parflex.result import Result
 from parflex.singular import check_finite
 from parflex.state import State
-from parflex.stepping import METHODS, SciPySteps, Stepper, Stuck
+from parflex.stepping import IMPLICIT, METHODS, SciPySteps, Stepper, Stuck
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -103,9 +103,13 @@ def integrate(
     def rate(t: float, y: Array) -> Array:
         return np.concatenate(law.rate(t, y[:-WORKS]))
 
+    def slopes(t: float, y: Array) -> Array:
+        return np.pad(law.jacobian(t, y[:-WORKS]), ((0, 0), (0, WORKS)))
+
     rows, done, reached, stopped, crawl = [y[None]], 1, times[0], "", (0, times[0])
+    known = slopes if method in IMPLICIT and law.differentiable else None
     stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
-        method, rate, times[0], y, times[-1], tolerances
+        method, rate, times[0], y, times[-1], tolerances, known
     )
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:

@@ -10,6 +10,8 @@ from parflex.array import Array
 from parflex.errors import InputError
 
 METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
+IMPLICIT = ("Radau",)  # of these: they ask for ∂f/∂y
+Slopes = Callable[[float, Array], Array]
 
 
 class Stuck(Exception):
@@ -62,7 +64,10 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of one of SciPy's methods at a time, of any function."""
+    """One step of one of SciPy's methods at a time, of any function.
+
+    An implicit method may be given ∂f/∂y, `slopes`; otherwise it takes differences.
+    """
 
     def __init__(
         self,
@@ -72,9 +77,11 @@ class SciPySteps(Stepper):
         y: Array,
         end: float,
         tolerances: dict[str, float],
+        slopes: Slopes | None = None,
     ) -> None:
         self._rate = RightHandSide(rate)
-        self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances)
+        options = {} if slopes is None else {"jac": slopes}
+        self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances, **options)
         self.t, self.y, self.steps = t, self._solver.y, 0
 
     def advance(self, times: Array) -> Array:

@@ -75,8 +75,8 @@ def motion_jacobian(motion: Kernel, places: Places, drive: Drive) -> Kernel:
         system, load = assembly.assembled(robot, x), load_of(robot, places, w, pushes)
         joints = joint_tangent(robot, system)
         u, by_motion = drive(system, joints, t[..., 0], row)
-        found = sensitivity.direct_sensitivity(robot, system, u, load)
-        accelerations = found.state + found.forces @ by_motion
+        at = sensitivity.solved(robot, system, u, load(system.x))
+        accelerations = sensitivity.by_state(robot, system, at, load, at.JAS @ by_motion)
         rates = [
             place_rate(system.x),
             accelerations[..., :6, :] - drift(system.x),
