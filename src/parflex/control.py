@@ -66,11 +66,6 @@ class Law:
         found: Array = self.rows[bisect_right(self._later, t)]
         return found
 
-    @property
-    def differentiable(self) -> bool:
-        """Whether there is a `jacobian`: nobody is called, and the state carries no joints."""
-        return self.alone and self.robot.layout.carried == 0
-
     def rate(self, t: float, x: Array) -> tuple[Array, Array]:
         """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the loads.
 
@@ -82,12 +77,19 @@ class Law:
         singular.check_legs(self.robot, health)
         return moved, powers
 
+    @property
+    def differentiable(self) -> bool:
+        """Whether its derivative is compiled: nobody is called, and the state carries no joints."""
+        return self.alone and self.robot.layout.carried == 0
+
     def jacobian(self, t: float, x: Array) -> Array:
-        """∂(ẋ, powers)/∂x (size + 3, size), exact; of a law that is `differentiable`."""
+        """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
+        if not self.differentiable:
+            return differences(lambda x: self.rate(t, x)[0].copy(), x)
         run, found = self._slopes
         self._read(t, x)
         run()
-        return found.reshape(-1, len(x))
+        return found.reshape(len(x), len(x))
 
     def forces(self, t: float, x: Array) -> Array:
         """Γ (m,) at a time and flat state."""
@@ -105,7 +107,7 @@ class Law:
     def _slopes(self) -> tuple[Trigger, Array]:
         """The compiled Jacobian, and where it leaves its answer."""
         function = self._build_jacobian()
-        found = np.zeros(*function.kernel.outputs)
+        found = np.zeros(function.kernel.outputs[0])
         return function.bind(self.inputs, [found]), found
 
     def _read(self, t: float, x: Array) -> None:
@@ -256,6 +258,14 @@ class Called(Law):
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
         return found
+
+
+def differences(function: Callable[[Array], Array], x: Array) -> Array:
+    """∂function/∂x by steps of 1.5e-8 ahead."""
+    from scipy.optimize import approx_fprime
+
+    found: Array = approx_fprime(x, function)
+    return found
 
 
 def same_model(own: "Model", simulated: "Model") -> None:

@@ -1,11 +1,11 @@
-"""How actuated joints and friction change with the platform's motion."""
+"""How the actuated joints change with the state: positions and rates."""
 
 from typing import NamedTuple
 
 import numpy as np
 
 from parflex import chain
-from parflex.array import Array, block, dot, for_each, join, merged, mv, skew, split, stack, transpose
+from parflex.array import Array, block, for_each, join, merged, mv, skew, split, transpose
 from parflex.assembly import LegTerms, System, by_group
 from parflex.dual import jacobian
 from parflex.legs.alike import leg_by_leg
@@ -20,34 +20,31 @@ class JointTangent(NamedTuple):
 
     positions: Array  # ∂q_a (…, m, 12 + 2 N)
     rates: Array  # ∂q̇_a (…, m, 12 + 2 N)
-    friction: Array  # ∂ of the power that friction takes (…, 12 + 2 N)
 
 
 def joint_tangent(robot: Robot, system: System) -> JointTangent:
     """By way of the places and velocities of the legs' tips."""
-    m = robot.n_forces
-    shapes = [(len(g.legs), 6 * len(g.tip_frames)) for g in robot.groups]
+    shapes = [(len(group.legs), 6 * len(group.tip_frames)) for group in robot.groups]
 
     def joints(motions: Array, *maps: Array) -> Array:
-        """(q_a, q̇_a, friction's power) by group (…, D, 2m + 1), of motions of the tips (…, D, 6k)."""
-        q, qd, lost = [], [], np.zeros(1)
+        """∂(q_a, q̇_a) by group (…, D, 2m) for motions of the tips (…, D, 6k)."""
+        q, qd = [], []
         for by_tip, tips in zip(maps, split(motions, shapes), strict=True):
             by_leg = mv(by_tip[..., None, :, :, :], tips)
             half = by_leg.shape[-1] // 2
             q.append(merged(by_leg[..., :half]))
-            qd.append(merged(by_leg[..., half:-1]))
-            lost = lost + np.sum(by_leg[..., -1:], axis=-2)
-        return join([*q, *qd, lost])
+            qd.append(merged(by_leg[..., half:]))
+        return join([*q, *qd])
 
     found = for_each(joints, [tip_motions(robot, system)], [by_tips(leg, system.x) for leg in system.legs])
     rows, order = transpose(found), robot.force_order
-    return JointTangent(rows[..., order, :], rows[..., m:-1, :][..., order, :], rows[..., -1, :])
+    return JointTangent(rows[..., order, :], rows[..., robot.n_forces + order, :])
 
 
 def by_tips(leg: LegTerms, x: Coordinates) -> Array:
-    """∂ of `joints_of` (…, L, 2a + 1, 6t), the tips' motions resolved in Σp."""
+    """∂ of `joints_of` (…, L, 2a, 6t), the tips' motions resolved in Σp."""
     seeds = leg_seeds(leg, x)
-    shape = (2 * len(leg.group.actuated) + 1, seeds.shape[-1])
+    shape = (2 * len(leg.group.actuated), seeds.shape[-1])
 
     def tangent(group: LegGroup, seeds: Array) -> list[Array]:
         return [jacobian(lambda x: joints_of(group, x), seeds)]
@@ -58,7 +55,7 @@ def by_tips(leg: LegTerms, x: Coordinates) -> Array:
 
 
 def joints_of(group: LegGroup, seeds: Array) -> Array:
-    """q_a, q̇_a and friction's power (…, L, 2a + 1), of places and velocities of the tips in Σ0i."""
+    """q_a and q̇_a (…, L, 2a), of places and velocities of the tips in Σ0i."""
     by_tips = (*seeds.shape[:-1], len(group.tip_frames), 3)
     half = seeds.shape[-1] // 2
     place, velocity = seeds[..., :half].reshape(by_tips), seeds[..., half:].reshape(by_tips)
@@ -66,9 +63,8 @@ def joints_of(group: LegGroup, seeds: Array) -> Array:
     joints = group.type.joints(group, place, none)
     qd = group.type.rates(group, chain.frames(c, joints), joints, place, velocity, none)
     still = np.zeros(len(group.legs))
-    q_a = [chain.joint_position(c, joints, j, still) for j in group.actuated]
-    qd_a = [qd[..., j] for j in group.actuated]
-    return stack([*q_a, *qd_a, dot(qd, chain.friction(c, qd))])
+    q_a = [chain.joint_position(c, joints, j, still)[..., None] for j in group.actuated]
+    return join([*q_a, qd[..., list(group.actuated)]])
 
 
 def tip_motions(robot: Robot, system: System) -> Array:

@@ -19,7 +19,7 @@ from parflex.record import record
 from parflex.result import Result
 from parflex.singular import check_finite
 from parflex.state import State
-from parflex.stepping import IMPLICIT, METHODS, SciPySteps, Stepper, Stuck
+from parflex.stepping import METHODS, SciPySteps, Stepper, Stuck
 
 if TYPE_CHECKING:
     from parflex.model import Model
@@ -54,7 +54,7 @@ def simulate(
     """The motion from `state` on, at the times t (T,) s, by an adaptive method.
 
     method is "DOP853", of eighth order and the quickest at every useful tolerance, "RK45", or for
-    modes that are stiff and heavily damped "Radau", which estimates the Jacobian by differences.
+    modes that are stiff and heavily damped, or stiff controllers, "Radau", which is implicit.
 
     Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,), which is called
     again at the output times; wrenches on platform nodes are constant, or a function of time. rtol
@@ -104,12 +104,11 @@ def integrate(
         return np.concatenate(law.rate(t, y[:-WORKS]))
 
     def slopes(t: float, y: Array) -> Array:
-        return np.pad(law.jacobian(t, y[:-WORKS]), ((0, 0), (0, WORKS)))
+        return np.pad(law.jacobian(t, y[:-WORKS]), (0, WORKS))
 
     rows, done, reached, stopped, crawl = [y[None]], 1, times[0], "", (0, times[0])
-    known = slopes if method in IMPLICIT and law.differentiable else None
     stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
-        method, rate, times[0], y, times[-1], tolerances, known
+        method, rate, times[0], y, times[-1], tolerances, slopes
     )
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:

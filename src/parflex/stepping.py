@@ -11,7 +11,6 @@ from parflex.errors import InputError
 
 METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
 IMPLICIT = ("Radau",)  # of these: they ask for ∂f/∂y
-Slopes = Callable[[float, Array], Array]
 
 
 class Stuck(Exception):
@@ -66,7 +65,8 @@ class RightHandSide:
 class SciPySteps(Stepper):
     """One step of one of SciPy's methods at a time, of any function.
 
-    An implicit method may be given ∂f/∂y, `slopes`; otherwise it takes differences.
+    Implicit methods read ∂f/∂y from `slopes`. SciPy's own differences step by parts of y: too little where
+    a coordinate is near zero, and ever more, to infinity, along works, on which f does not depend.
     """
 
     def __init__(
@@ -77,10 +77,10 @@ class SciPySteps(Stepper):
         y: Array,
         end: float,
         tolerances: dict[str, float],
-        slopes: Slopes | None = None,
+        slopes: Callable[[float, Array], Array],
     ) -> None:
         self._rate = RightHandSide(rate)
-        options = {} if slopes is None else {"jac": slopes}
+        options = {"jac": slopes} if method in IMPLICIT else {}
         self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances, **options)
         self.t, self.y, self.steps = t, self._solver.y, 0
 

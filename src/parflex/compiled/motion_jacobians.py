@@ -1,7 +1,7 @@
 """Derivatives of the motions of `motions.py`: what an implicit integrator asks for.
 
-All read what those read, and give ∂(ẋ, powers)/∂x by rows, (size + 3) · size. They are exact, by way of
-the small motions of `tangent.py`, for robots whose state carries no joints.
+All read what those read, and give ∂ẋ/∂x by rows. They are exact, by way of the small motions of
+`tangent.py`, for robots whose state carries no joints.
 """
 
 from collections.abc import Callable
@@ -9,28 +9,27 @@ from collections.abc import Callable
 import numpy as np
 
 from parflex import assembly, dynamics, sensitivity
-from parflex.array import Array, block, join, merged, mtv, skew, stack, transpose
+from parflex.array import Array, block, join, merged, skew, stack
 from parflex.compiled import motions
 from parflex.compiled.jacobians import load_of
 from parflex.compiled.kernels import Kernel, sizes
 from parflex.compiled.motions import Places
 from parflex.dual import jacobian
-from parflex.joint_tangent import JointTangent, joint_tangent
+from parflex.joint_tangent import joint_tangent
 from parflex.output import Output
 from parflex.robot import Robot
-from parflex.sensitivity import Load
 from parflex.spatial import quaternion_rate
 from parflex.state import Coordinates
 
 Forces = tuple[Array, Array]  # Γ, and ∂Γ by the small motions
-Drive = Callable[[assembly.System, JointTangent, Array, Array], Forces]  # of system, time (…,) and row
+Drive = Callable[[assembly.System, Array, Array], Forces]  # of the system, time (…,) and row
 
 
 def steady(robot: Robot, places: Places) -> Kernel:
     """Under forces that stand in the row."""
 
-    def drive(system: assembly.System, joints: JointTangent, t: Array, row: Array) -> Forces:
-        return row, 0.0 * joints.rates
+    def drive(system: assembly.System, t: Array, row: Array) -> Forces:
+        return row, np.zeros((robot.n_forces, 12 + 2 * robot.platform.modes))
 
     return motion_jacobian(motions.steady(robot, places), places, drive)
 
@@ -38,9 +37,10 @@ def steady(robot: Robot, places: Places) -> Kernel:
 def springs(robot: Robot, places: Places) -> Kernel:
     """Under springs and dampers on the actuated joints."""
 
-    def drive(system: assembly.System, joints: JointTangent, t: Array, row: Array) -> Forces:
+    def drive(system: assembly.System, t: Array, row: Array) -> Forces:
         _, kp, kd, _ = motions.quarters(row)
-        change = -kp[..., None] * joints.positions - kd[..., None] * joints.rates
+        positions, rates = joint_tangent(robot, system)
+        change = -kp[..., None] * positions - kd[..., None] * rates
         return motions.spring_forces(robot, system, row), change
 
     return motion_jacobian(motions.springs(robot, places), places, drive)
@@ -50,10 +50,12 @@ def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
     """Under computed torque along a trajectory, of as many outputs as actuators."""
     none, unloaded = np.zeros(robot.n_forces), np.zeros(6 + robot.platform.modes)
 
-    def drive(system: assembly.System, joints: JointTangent, t: Array, row: Array) -> Forces:
+    def drive(system: assembly.System, t: Array, row: Array) -> Forces:
         target = motions.tracked(system.x, t, row, output)
         u = dynamics.inverse_of(robot, system, target, unloaded, output, none).forces
-        by_state, by_target = sensitivity.inverse_sensitivity(robot, system, target, lambda x: unloaded, output)
+        by_state, by_target = sensitivity.inverse_sensitivity(
+            robot, system, target, lambda x: unloaded, output
+        )
         return u, by_state + by_target @ tracked_tangent(system.x, t, row, output)
 
     return motion_jacobian(motions.tracking(robot, output, places), places, drive)
@@ -73,8 +75,7 @@ def motion_jacobian(motion: Kernel, places: Places, drive: Drive) -> Kernel:
 
     def function(x: Array, t: Array, row: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
         system, load = assembly.assembled(robot, x), load_of(robot, places, w, pushes)
-        joints = joint_tangent(robot, system)
-        u, by_motion = drive(system, joints, t[..., 0], row)
+        u, by_motion = drive(system, t[..., 0], row)
         at = sensitivity.solved(robot, system, u, load(system.x))
         accelerations = sensitivity.by_state(robot, system, at, load, at.JAS @ by_motion)
         rates = [
@@ -82,12 +83,11 @@ def motion_jacobian(motion: Kernel, places: Places, drive: Drive) -> Kernel:
             accelerations[..., :6, :] - drift(system.x),
             bending_rate(system.x),
             accelerations[..., 6:, :],
-            powers(robot, system, joints, u, by_motion, load),
         ]
         place, *rest = (by_state(x, rows) for rows in rates)
         return (merged(block([[part] for part in (place, turn_rate(x), *rest)])),)
 
-    return Kernel(f"{motion.name}_jacobian", function, motion.inputs, ((n + 3) * n,), motion.subject)
+    return Kernel(f"{motion.name}_jacobian", function, motion.inputs, (n * n,), motion.subject)
 
 
 def by_state(x: Array, rows: Array) -> Array:
@@ -130,20 +130,6 @@ def bending_rate(x: Coordinates) -> Array:
     """∂q̇_e (N, 12 + 2 N)."""
     N = x.elastic.shape[-1]
     return np.eye(12 + 2 * N)[12 + N :]
-
-
-def powers(
-    robot: Robot, system: assembly.System, joints: JointTangent, u: Array, by_motion: Array, load: Load
-) -> Array:
-    """∂ of the powers of actuators, wrenches and damping (…, 3, 12 + 2 N)."""
-    x, N = system.x, robot.platform.modes
-    driven = mtv(by_motion, assembly.joint_rates(robot, system)) + mtv(joints.rates, u)
-    w, moving = load(x), join([x.twist, x.elastic_rate])
-    by_place = mtv(sensitivity.load_tangent(load, x), moving)
-    still = np.zeros(3)
-    pushed = [still, by_place[..., :3], w[..., :6], by_place[..., 3:], w[..., 6:]]
-    damped = join([np.zeros(12 + N), 2.0 * robot.platform.damping * x.elastic_rate])
-    return stack([driven, join(pushed), damped + joints.friction], axis=-2)
 
 
 def tracked_tangent(x: Coordinates, t: Array, row: Array, output: Output) -> Array:
