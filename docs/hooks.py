@@ -6,74 +6,86 @@ import re
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
+import equations
+from given import GIVEN
 from mkdocs.exceptions import PluginError
 from mkdocs.structure.files import File
 
 ROOT = Path(__file__).parent.parent
 MEASURED = ROOT / "build" / "verification.json"
 SNIPPET = re.compile(r"^```(python|sh)\n(.*?)^```", re.MULTILINE | re.DOTALL)
-EQUATION = re.compile(r"^(.*?)#\s*((?:Eqs?\.)\s*[\d–,() a-z]+)")
-ELSEWHERE = ("importing.md", "platforms.md")  # their snippets take files that readers bring
+PRINTED = re.compile(r"<!-- printed: (.*) -->")
 MADE = (".png", ".svg", ".html")
+
+printed: dict[str, str] = {}  # by each page's snippets
 
 
 def on_files(files: Any, config: Any) -> Any:
-    """Run the snippets of each page; the pictures and pages that they leave belong to the documentation."""
-    for page in list(files.documentation_pages()):
-        text = Path(page.abs_src_path).read_text(encoding="utf-8")
-        for path, content in made_by(page.src_uri, SNIPPET.findall(text)).items():
-            files.append(File.generated(config, f"made/{Path(page.src_uri).stem}/{path}", content=content))
+    """Run the snippets of all pages; the pictures and pages that they leave belong to the documentation."""
+    pages = list(files.documentation_pages())
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        for page, made in zip(pages, pool.map(made_by, pages), strict=True):
+            for path, content in made.items():
+                files.append(
+                    File.generated(config, f"made/{Path(page.src_uri).stem}/{path}", content=content)
+                )
     return files
 
 
-def made_by(name: str, snippets: list[tuple[str, str]]) -> dict[str, bytes]:
+def made_by(page: File) -> dict[str, bytes]:
     """The files that the snippets of a page leave, run in order, each language in one process."""
-    if not snippets or name in ELSEWHERE:
-        return {}
+    name, snippets = page.src_uri, SNIPPET.findall(Path(page.abs_src_path).read_text(encoding="utf-8"))
     with tempfile.TemporaryDirectory() as folder:
+        for give in GIVEN.get(name, ()):
+            give(Path(folder))
         for language in ("sh", "python"):
             code = "\n".join(body for kind, body in snippets if kind == language)
             if code:
-                run(name, language, code, Path(folder))
+                printed[name] = run(name, language, code, Path(folder))
         found = [path for path in Path(folder).rglob("*") if path.suffix in MADE]
         return {str(path.relative_to(folder)): path.read_bytes() for path in found}
 
 
-def run(name: str, language: str, code: str, folder: Path) -> None:
-    """Run a page's code where its commands are found; an error ends the build."""
+def run(name: str, language: str, code: str, folder: Path) -> str:
+    """What a page's code prints where its commands are found; an error ends the build."""
     shell = {"python": [sys.executable], "sh": ["bash", "-euo", "pipefail"]}[language]
     path = f"{Path(sys.executable).parent}{os.pathsep}{os.environ['PATH']}"
-    environment = os.environ | {"MPLBACKEND": "Agg", "PATH": path}
+    environment = os.environ | {"MPLBACKEND": "Agg", "OMP_NUM_THREADS": "1", "PATH": path}  # a core each
     done = subprocess.run(
         [*shell, "-c", code], cwd=folder, capture_output=True, text=True, env=environment, timeout=600
     )
     if done.returncode:
         raise PluginError(f"a {language} snippet of docs/{name} fails:\n{done.stdout}{done.stderr}")
+    return done.stdout
 
 
-def on_page_markdown(markdown: str, **_: Any) -> str:
+def on_page_markdown(markdown: str, page: Any, **_: Any) -> str:
     """Put what is generated in the place of its marks."""
     for mark, make in MARKS.items():
         if mark in markdown:
             markdown = markdown.replace(mark, make())
-    return markdown
+    return PRINTED.sub(lambda mark: paragraph(printed[page.file.src_uri], mark[1]), markdown)
 
 
-def equations() -> str:
-    """Every equation of the paper beside the line of code that it is."""
-    rows = []
-    for path in sorted((ROOT / "src").rglob("*.py")):
-        for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), start=1):
-            found = EQUATION.match(line)
-            if found:
-                where = f"{path.relative_to(ROOT / 'src' / 'parflex')}:{number}"
-                rows.append((found[2].strip(), where, found[1].strip()))
-    rows.sort(key=lambda row: (int(re.search(r"\d+", row[0])[0]), row[1]))  # type: ignore[index]
-    cells = [(tag, f"`{code}`" if code else "", at) for tag, at, code in rows]
-    return table(("printed", "code", "where"), cells)
+def paragraph(text: str, start: str) -> str:
+    """The line of a page's output that begins with a word, and what is indented below it."""
+    found = re.search(rf"^{start}\b.*\n(?: .*\n)*", text, re.MULTILINE)
+    if not found:
+        raise PluginError(f"no snippet printed a line that begins with {start!r}")
+    return f"```text\n{found[0]}```"
+
+
+def paper() -> str:
+    """Every equation of the paper beside the lines of code that it is."""
+    wrong = equations.contradictions()
+    if wrong:
+        raise PluginError("; ".join(wrong))
+    return equations.beside_the_code()
 
 
 def verification() -> str:
@@ -117,14 +129,15 @@ def reference() -> str:
     return "\n\n".join(f"# {title}\n\n" + "\n\n".join(found) for title, found in chapters.items())
 
 
-def table(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
+def table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Markdown; bars in cells are told apart from those of the table."""
     lines = [heads, ("---",) * len(heads), *rows]
     return "\n".join("| " + " | ".join(cell.replace("|", "&#124;") for cell in line) + " |" for line in lines)
 
 
 MARKS = {
-    "<!-- equations -->": equations,
+    "<!-- equations -->": paper,
+    "<!-- errata -->": lambda: table(("where", "what is wrong"), equations.errata()),
     "<!-- verification -->": verification,
     "<!-- reference -->": reference,
 }

@@ -28,7 +28,7 @@ def cross(a, b):
     return a[..., [1, 2, 0]] * b[..., [2, 0, 1]] - a[..., [2, 0, 1]] * b[..., [1, 2, 0]]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class NodalPlatform:
     """Point masses in Σp, the diagonals of stiffness and damping, and the points that legs hold."""
 

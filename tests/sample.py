@@ -10,7 +10,7 @@ import oracle
 import parflex as pf
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Sample:
     """S states; `q`, `qd` are one (S, n_i) per leg. As the oracle asks, it has `legs` and `gravity`."""
 

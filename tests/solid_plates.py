@@ -3,9 +3,9 @@
 from functools import cache
 
 import numpy as np
-from skfem import MeshTet
 
 import parflex as pf
+from blocks import box
 
 SIZE = (0.6, 0.4, 0.02)
 MATERIAL = pf.fe.Material(7e10, 0.3, 2700.0)
@@ -17,9 +17,7 @@ RADIUS = 0.035
 @cache
 def plate() -> pf.fe.FreeBody:
     """An aluminium rectangle, one layer of elements, nodes on its middle plane."""
-    cells = (12, 8, 1)
-    mesh = MeshTet.init_tensor(*(np.linspace(-s / 2, s / 2, n + 1) for s, n in zip(SIZE, cells, strict=True)))
-    return pf.fe.solid_body(pf.fe.solid_mesh(mesh.p.T, mesh.t.T), MATERIAL)
+    return pf.fe.solid_body(box(SIZE, (12, 8, 1)), MATERIAL)
 
 
 @cache

@@ -5,6 +5,7 @@ import pytest
 from scipy.linalg import eigh, null_space
 
 import parflex as pf
+from blocks import STEEL, box, two_blocks
 from parflex.fe.response import static_response
 from parflex.robots.gough_stewart import PLATE, corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, TOOL, modes, plate
@@ -168,8 +169,6 @@ def test_solid_and_thin_plate_are_alike():
 
 def mechanism():
     """Two blocks that share an edge: a hinge."""
-    from test_solids import two_blocks
-
     r, cells = two_blocks(0.0)
     r = r.copy()
     r[len(r) // 2 :, 2] += 0.1
@@ -209,8 +208,6 @@ def test_refused_in_one_sentence(case):
 
 
 def test_more_modes_than_the_mesh_can_carry():
-    from test_solids import STEEL, box
-
     small = pf.fe.solid_body(box((0.1,) * 3, (1, 1, 1)), STEEL)
     with pytest.raises(pf.InputError, match="n is 200, more modes than the 81 unknowns of this mesh"):
         pf.fe.FreeFree(200).modes(small)
@@ -225,8 +222,6 @@ def test_cache_gives_the_same(tmp_path, monkeypatch):
     """From an empty cache, then from a full one, where nothing is factorised."""
     monkeypatch.setenv("PARFLEX_CACHE", str(tmp_path))
     monkeypatch.setattr(pf.fe.free_body, "SMALL", 0)
-    from test_solids import STEEL, box
-
     found = []
     for _ in range(2):
         body = pf.fe.solid_body(box((0.3, 0.2, 0.1), (3, 2, 1)), STEEL)

@@ -1,5 +1,6 @@
 """Every example runs, in a folder of its own, and leaves its picture; so does the README's snippet."""
 
+import os
 import re
 import subprocess
 import sys
@@ -17,7 +18,7 @@ def run(source: str, folder: Path) -> str:
         cwd=folder,
         capture_output=True,
         text=True,
-        env={"MPLBACKEND": "Agg"},
+        env=os.environ | {"MPLBACKEND": "Agg"},
     )
     assert done.returncode == 0, done.stderr
     return done.stdout

@@ -1,6 +1,5 @@
 """Models as C99: they compile without a warning, pass their own test, and agree with the library."""
 
-import contextlib
 import ctypes
 import re
 import shutil
@@ -15,7 +14,6 @@ import cases
 import parflex as pf
 import rewriting
 from conftest import relative
-from parflex import cli
 from parflex.compiled import kernels
 from parflex.compiled.c.cases import magnitudes, sag
 from parflex.compiled.c.interface import contact_order, health_order, routines
@@ -283,25 +281,18 @@ def test_complaints_come_before_anything_is_written(tmp_path):
     assert not at.exists()
 
 
-def test_command(monkeypatch, capsys, tmp_path):
-    monkeypatch.chdir(tmp_path)
+def test_command(parflex, tmp_path):
     ROBOTS["delta"][0]().to_file("delta.toml")
-
-    def parflex(*words):
-        monkeypatch.setattr("sys.argv", ["parflex", "export", *words])
-        with contextlib.suppress(SystemExit):
-            cli.run()
-        out, err = capsys.readouterr()
-        return " ".join(out.split()), " ".join(err.split())
-
-    out, err = parflex("delta.toml", "--c", "here", "--rows", "0,1,2")
-    assert "now: make -C here" in out, err
+    code, out, err = parflex("export", "delta.toml", "--c", "here", "--rows", "0,1,2")
+    assert code == 0, err
+    assert "now: make -C here" in " ".join(out.split())
     assert (tmp_path / "here" / "model.c").exists()
     for words, message in (
         (("--rows", ""), "--rows is not given, and delta.toml has 3 motors"),
         (("--rows", "0,1,7"), "--rows is '0,1,7'; name rows"),
         (("--rows", "x"), "--rows is 'x'; name rows"),
     ):
-        out, err = parflex("delta.toml", "--c", "there", *words)
-        assert message in err, out
+        code, out, err = parflex("export", "delta.toml", "--c", "there", *words)
+        assert code == 2, out
+        assert message in " ".join(err.split())
     assert not (tmp_path / "there").exists()

@@ -159,7 +159,8 @@ def test_a_work_does_not_end_a_stiff_run():
         return np.hstack([by_state, np.zeros((3, 1))])
 
     end, tolerances = 2000.0, {"rtol": 1e-5, "atol": 1e-8, "max_step": np.inf}
-    stepper = SciPySteps("Radau", rate, 0.0, np.array([2.0, 0.0, 0.0]), end, tolerances, slopes)
+    start = np.array([2.0, 0.0, 0.0])
+    stepper = SciPySteps("Radau", rate, slopes, 0.0, start, end, tolerances, lambda t: np.inf)
     while stepper.t < end:
         stepper.advance(np.zeros(0))
     assert asked > 316

@@ -9,7 +9,6 @@ from imports import CORNERS, DATA
 from parflex import paper
 from parflex.fe.attach import first
 from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners, gough_stewart
-from test_cli import parflex  # noqa: F401 (a fixture)
 
 pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")
 
@@ -126,7 +125,7 @@ def test_a_robot_file_takes_it(tmp_path, monkeypatch):
             pf.load_robot(path)
 
 
-def test_the_command_takes_it(parflex, tmp_path):  # noqa: F811
+def test_the_command_takes_it(parflex, tmp_path):
     files = ("--file", f"op2={DATA / 'hexQ8.OP2'}", "--file", f"bulk={DATA / 'hexQ8.bdf'}")
     held = [word for corner in CORNERS[:3] for word in ("-a", ",".join(map(str, corner)))]
     code, out, err = parflex("modes", "--from", "nastran", *files, "--units", "SI", "--modes", "3", *held,
@@ -149,7 +148,7 @@ def test_the_command_takes_it(parflex, tmp_path):  # noqa: F811
         (("--from", "nastran", "-c", "0,0"), "--from imports modes; leave out"),
     ],
 )  # fmt: skip
-def test_the_command_says_what_is_wrong(parflex, tmp_path, words, told):  # noqa: F811
+def test_the_command_says_what_is_wrong(parflex, tmp_path, words, told):
     code, _, err = parflex("modes", *words)
     assert code == 2
     assert told in " ".join(err.split())

@@ -56,6 +56,18 @@ def test_a_loop_reads_what_another_has_left_and_leaves_what_is_read(model_of):
     assert {source.loop for source in loops[1].columns + loops[1].shared} == {0}
 
 
+def test_a_loop_that_nobody_reads_is_none(model_of):
+    robot = model_of(0).robot
+
+    def function(x, a):
+        rows = a.reshape(a.shape[:-1] + (8, WIDTH))
+        for_each(lambda own: np.sqrt(own * own + 1.0) / (2.0 + own), [rows])
+        return (a[..., :1] * a[..., :1],)
+
+    kernel = Kernel("none", function, (robot.layout.size, 8 * WIDTH), (1,), (robot, "none"))
+    assert program(kernel, 8).loops == []
+
+
 @pytest.mark.parametrize("size", [6, 18, 24])
 def test_definite_systems_in_blocks(model_of, size):
     """Block by block and row by row, against LAPACK."""

@@ -4,6 +4,7 @@ import importlib
 import re
 from pathlib import Path
 
+import equations
 import numpy as np
 import pytest
 from matplotlib.image import imread
@@ -18,20 +19,37 @@ SOURCES = Path(pf.__file__).parent
 EQUATIONS = range(1, 50)
 
 
-@pytest.fixture(scope="module")
-def flown():
-    """The paper's run at ten modes, from its static equilibrium."""
-    return paper.run()
-
-
 def test_every_equation_has_a_home():
-    """The tags "# Eq. n" and "# Eqs. n, m" in the sources are Eqs. 1 … 49, none else."""
+    """The tags "# Eq. n" in the sources are Eqs. 1 … 49, but those said to be unused, and none else."""
     found: dict[int, str] = {}
     for path in SOURCES.rglob("*.py"):
         for tag in re.findall(r"# Eqs?\. ([\d, ]+)", path.read_text()):
             for number in re.findall(r"\d+", tag):
                 found[int(number)] = path.name
-    assert sorted(found) == list(EQUATIONS)
+    unused = {each.number for each in equations.every_equation() if each.unused}
+    assert sorted({*found, *unused}) == list(EQUATIONS)
+    assert not unused & set(found)
+
+
+def test_printed_equations_are_all_there():
+    """The documentation's list has each number once, in the paper's order, and the code that goes with it."""
+    assert [each.number for each in equations.every_equation() if each.number] == list(EQUATIONS)
+    assert equations.contradictions() == []
+
+
+def test_an_equation_without_code_is_noticed(monkeypatch):
+    """And one that is in the code though said to be unused, and a number that is not the paper's."""
+    tagged = equations.lines()
+    monkeypatch.setattr(equations, "lines", lambda: {50 if n == 7 else n: at for n, at in tagged.items()})
+    wrong = equations.contradictions()
+    assert [words.split(" is ")[0] for words in wrong] == ["Eq. 50", "Eq. 7"]
+    every = [
+        each._replace(unused="why not") if each.number in (7, 8) else each
+        for each in equations.every_equation()
+    ]
+    monkeypatch.setattr(equations, "every_equation", lambda: every)
+    wrong = equations.contradictions()
+    assert [words.split(" is ")[0] for words in wrong] == ["Eq. 50", "Eq. 8"]
 
 
 def test_table_4_puts_the_corners_on_a_hexagon():

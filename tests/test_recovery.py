@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from blocks import STEEL, box
 from parflex.fe.recovery import nodal_fields, recover, von_mises
 from parflex.fe.response import static_response
 from parflex.modes import Solid
 from parflex.robots.gough_stewart import corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, modes, plate
-from test_solids import STEEL, box
 
 
 def test_uniform_strain_and_pure_bending():

@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from parflex.compiled import kernels
+from parflex.progress import Progress
 from parflex.singular import Watch
 from parflex.spatial import quaternion_rate
 from parflex.state import Layout, coordinates, pack
@@ -142,6 +143,7 @@ def test_states_of_a_result_replay_the_models(model, held):
     assert np.allclose(held.dataset.joint[3], np.stack(q))
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_keeps_what_was_reached(model, tmp_path):
     _, forces = model.static(*model.robot.home_pose)
     pressed = []
@@ -191,14 +193,15 @@ def test_controller_that_fails_again_afterwards_keeps_the_run(model):
     assert np.all(np.isfinite(run.dataset.position))
 
 
-def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of):
-    """Nothing of the run is Python: the signal is seen between two chunks of steps."""
+@pytest.mark.usefixtures("interruptible")
+def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
+    """Nothing of the run is Python: a signal that is sent amid it is seen between two chunks of steps."""
     model = model_of(3, "native")
     start, forces = model.static(*model.robot.home_pose)
     hold = pf.JointPD(model, start, 1e6, 1e3, forces)
     times = np.linspace(0, 1000, 100_001)
-    timer = threading.Timer(1.0, os.kill, (os.getpid(), signal.SIGINT))
-    timer.start()
+    timer = threading.Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
+    monkeypatch.setattr(Progress, "to", lambda bar, done: timer.ident or timer.start())
     run = pf.simulate(model, hold, model.robot.home, times)
     timer.join()
     assert run.partial
@@ -293,6 +296,18 @@ def test_dynamic_singularity_on_the_way_ends_as_partial(model_of, backend):
     assert "dynamic singularity" in run.stopped
     assert 10 < run.dataset.sizes["time"] < 61
     assert np.all(np.isfinite(run.dataset.forces))
+
+
+@pytest.mark.parametrize("backend", ["vm", "native"])
+def test_steps_end_where_segments_do(model_of, backend):
+    """The wanted motion is a polynomial between poses, which the method integrates exactly: at any
+    tolerance the platform is on it, as long as no step goes across a jump of its third derivative."""
+    model = model_of(0, backend)
+    moves = [([0.03, -0.02, 0.05], np.zeros(3)), ([-0.04, 0.03, 0.02], np.zeros(3))]
+    way = pf.Trajectory.through(model.robot.home, moves, 0.37, (0.11, 0.07))
+    times = np.linspace(0, way.duration, 50)
+    run = pf.simulate(model, pf.ComputedTorque(model, way), model.robot.home, times, rtol=1e-4, atol=1e-4)
+    assert np.max(np.abs(run.dataset.pose_error)) <= 1e-12
 
 
 @pytest.mark.parametrize("backend", ["vm", "native"])

@@ -9,17 +9,11 @@ from skfem import MeshTet
 from skfem.quadrature import get_quadrature
 
 import parflex as pf
+from blocks import STEEL, box, two_blocks
 from parflex.fe.mesh import EDGES, with_middles
 from parflex.fe.tetrahedron import at, jacobians
 
-STEEL = pf.fe.Material(2.1e11, 0.3, 7850.0)
 SOUND = np.sqrt(STEEL.lame[1] / STEEL.density)  # of shear waves, m/s
-
-
-def box(size, cells) -> pf.fe.SolidMesh:
-    """A rectangular block about the origin, in cells of six tetrahedra."""
-    mesh = MeshTet.init_tensor(*(np.linspace(-s / 2, s / 2, n + 1) for s, n in zip(size, cells, strict=True)))
-    return pf.fe.solid_mesh(mesh.p.T, mesh.t.T)
 
 
 @pytest.fixture(scope="module")
@@ -262,14 +256,6 @@ def test_mesh_repairs_are_told():
     assert any("1 inverted elements were turned" in note for note in mesh.notes)
     assert len(mesh.nodes) == len(good.nodes)
     assert np.isclose(pf.fe.solid_body(mesh, STEEL).mass.sum(), 3 * 7850 * 0.002)
-
-
-def two_blocks(gap: float) -> tuple[np.ndarray, np.ndarray]:
-    """Corner meshes side by side."""
-    one = box((0.1, 0.1, 0.1), (1, 1, 1))
-    r = one.nodes[: 1 + one.elements[:, :4].max()]
-    cells = one.elements[:, :4]
-    return np.vstack([r, r + [0.1 + gap, 0, 0]]), np.vstack([cells, cells + len(r)])
 
 
 def test_parts_that_touch_are_one():

@@ -39,7 +39,7 @@ def test_heavy_tools_stay_at_the_rim():
         "llvmlite": ("compiled",),
         "skfem": ("fe",),
         "pyyeti": ("fe",),
-        "matplotlib": ("plot.py",),
+        "matplotlib": ("plot",),
         "typer": (
             "cli.py",
             "commands.py",

@@ -1,13 +1,17 @@
 """What goes into the page: the parts of robots of all kinds, long runs, large platforms, stresses."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import parflex as pf
 import solid_plates
+from parflex.plot import over_time
 from parflex.robots import ALL_ROBOTS
-from parflex.viewer.opening import judged
+from parflex.viewer.layout import LAYOUT
+from parflex.viewer.opening import NEEDED, WORDS, judged
 from parflex.viewer.page import packed, page_of
 from parflex.viewer.parts import Legs, legs_of, parts_of, shares
 from parflex.viewer.scene import MOST_INSTANTS, scene_of
@@ -19,7 +23,7 @@ def short_run(robot: pf.Robot) -> pf.Result:
     model = pf.Model(robot, "numpy")
     start, forces = model.static(*robot.home_pose)
     hold = pf.JointPD(model, start, kp=1e5, kd=1e3, forces=forces)
-    return pf.simulate(model, hold, start, np.linspace(0, 5e-3, 3), rtol=1e-4, atol=1e-6)
+    return pf.simulate(model, hold, start, np.linspace(0, 5e-3, 3), rtol=1e-4, atol=1e-6, max_step=5e-3)
 
 
 @pytest.mark.parametrize("entry", ALL_ROBOTS, ids=lambda entry: entry.build.__name__)
@@ -165,7 +169,9 @@ def test_what_is_not_finite_is_left_out_and_said(run_of_paper):
     data = run_of_paper.dataset.copy(deep=True)
     data["position"][1:] = np.nan
     found = judged(data)
-    assert any("Not finite at some instants: where the platform is" in note for note in found.notes)
+    assert found.notes == (
+        "Not finite at some instants, which are left out: where the platform is (position).",
+    )
     assert scene_of(found).meta["instants"] == 1
 
 
@@ -200,3 +206,82 @@ def test_without_k3d_the_remedy_is_said(run_of_paper, monkeypatch):
     monkeypatch.setitem(sys.modules, "k3d", None)
     with pytest.raises(pf.InputError, match=r"pip install \"parflex\[view\]\""):
         pf.view(run_of_paper)
+
+
+def dropped(data: xr.Dataset, name: str) -> xr.Dataset:
+    return data.drop_vars(name)
+
+
+def of_other_dimensions(data: xr.Dataset, name: str) -> xr.Dataset:
+    values = data[name].values
+    return data.drop_vars(name).assign({name: ([f"d{k}" for k in range(values.ndim)], values)})
+
+
+def of_another_kind(data: xr.Dataset, name: str) -> xr.Dataset:
+    """Words for numbers, and numbers for words."""
+    other = 0.5 if data[name].dtype.kind == "U" else "word"
+    return data.assign({name: (data[name].dims, np.full(data[name].shape, other))})
+
+
+def without_units(data: xr.Dataset, name: str) -> xr.Dataset:
+    return data.assign({name: (data[name].dims, data[name].values)})
+
+
+def with_a_hole(data: xr.Dataset, name: str) -> xr.Dataset:
+    """Of reals the last is not finite; whole numbers point nowhere."""
+    values = data[name].values.copy()
+    if values.dtype.kind in "if" and values.size:
+        values[-1] = np.nan if values.dtype.kind == "f" else 10**6
+    return data.assign({name: (data[name].dims, values)})
+
+
+SPOILT = (dropped, of_other_dimensions, of_another_kind, without_units, with_a_hole)
+
+
+@pytest.mark.parametrize("spoil", SPOILT)
+def test_spoilt_variables_are_told_and_the_rest_is_shown(run_of_paper, spoil):
+    """Each variable in turn; a robot is left but where nothing tells where its platform is."""
+    whole = run_of_paper.dataset
+    names = set(LAYOUT) & set(whole.variables)
+    told, blank = set(), set()
+    for name in names:
+        result = judged(spoil(whole, name))
+        told |= {name} & set(re.findall(r"\((\w+)\)", " ".join(result.notes)))
+        blank |= {name} if scene_of(result) is None else set()
+    changed = set() if spoil is without_units else set(WORDS) & names
+    changed -= {"leg_station"} if spoil is with_a_hole else set()
+    assert changed <= told
+    assert blank == (set() if spoil in (without_units, with_a_hole) else set(NEEDED))
+
+
+def test_a_whole_run_has_nothing_to_tell(run_of_paper):
+    assert judged(run_of_paper.dataset).notes == ()
+
+
+@pytest.mark.parametrize("spoil", SPOILT)
+@pytest.mark.parametrize("name", ["forces", "actuator_name", "energy_kinetic"])
+def test_figures_are_drawn_of_what_is_left(run_of_paper, spoil, name):
+    left = judged(spoil(run_of_paper.dataset, name)).dataset
+    assert "Deformation at the origin" in over_time(pf.Result(lambda: left, ""))
+
+
+def test_a_run_without_instants_is_said_to_be_one(run_of_paper):
+    page = page_of(judged(run_of_paper.dataset.isel(time=slice(0, 0))))
+    assert "No instants" in page
+    assert 'id="blank"' in page
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        (b"", "no NetCDF-4 file: file signature not found"),
+        (b"a,b\n1,2\n", "file signature not found"),
+        (None, "folder"),
+    ],
+)
+def test_what_is_no_result_is_refused_in_a_sentence(tmp_path, content, words):
+    path = tmp_path / "result.nc"
+    path.write_bytes(content) if content is not None else path.mkdir()
+    with pytest.raises(pf.InputError, match=words) as said:
+        pf.view(path)
+    assert "\n" not in str(said.value)

@@ -181,7 +181,7 @@ def solve_definite(a: Array, b: Array, step: int = 1) -> Array:
     Rows that lie `step` apart may be treated alike.
     """
     loop, n = recorder(a), a.shape[-1]
-    if step == 1 or loop is None or loop.lanes == 1:
+    if loop is None or loop.lanes == 1 or n < 2 * step:
         return factored_solve(factored(a), b)
     order = np.arange(n).reshape(n // step, step).T.reshape(-1)
     factor = factored_in_blocks(a[..., order, :][..., order], n // step)

@@ -39,7 +39,7 @@ class Law:
     """A controller bound to a model and the loads on its platform, on flat vectors, for one simulation.
 
     The law and the motion it causes are one kernel of `compiled.motions`. What the kernel reads of
-    the law is a row of a table: that of the last of the times `starts` that has passed.
+    the law is a row of a table: the first, and from each of the times `starts` on the next.
     """
 
     def __init__(
@@ -49,12 +49,12 @@ class Law:
         self.function = model.function(build, *chosen, loads.places)
         self._build_jacobian = partial(model.function, motion_jacobians.KNOWN[build], *chosen, loads.places)
         self.loads, self.rows = loads, np.atleast_2d(rows)
-        self.starts = np.concatenate([[-np.inf], np.asarray(starts, dtype=float)])
+        self.starts = [float(start) for start in np.asarray(starts)]
         self.inputs = [np.zeros(n) for n in self.function.kernel.inputs]
         self.inputs[4][:] = loads.pushes
         self.results = [np.zeros(n) for n in self.function.kernel.outputs]
         self._run = self.function.bind(self.inputs, self.results)
-        self.robot, self._later = model.robot, self.starts[1:].tolist()
+        self.robot = model.robot
 
     @property
     def alone(self) -> bool:
@@ -63,8 +63,13 @@ class Law:
 
     def row(self, t: float, x: Array) -> Array:
         """What the kernel reads of the law at a time and flat state."""
-        found: Array = self.rows[bisect_right(self._later, t)]
+        found: Array = self.rows[self.stretch(t)[0]]
         return found
+
+    def stretch(self, t: float) -> tuple[int, float]:
+        """Which row of the table holds at a time, and until when; steps do not go beyond."""
+        row = bisect_right(self.starts, t)
+        return row, self.starts[row] if row < len(self.starts) else np.inf
 
     def rate(self, t: float, x: Array) -> tuple[Array, Array]:
         """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the loads.

@@ -59,8 +59,8 @@ def simulate(
     Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,), which is called
     again at the output times; wrenches on platform nodes are constant, or a function of time. rtol
     and atol bound the local error, max_step (s) the step, by default a fiftieth of the run so that
-    no short event is stepped over. The works of actuators, wrenches and damping are integrated with
-    the state.
+    no short event is stepped over; steps end where a trajectory's segments do. The works of
+    actuators, wrenches and damping are integrated with the state.
 
     Ctrl-C, a step size that vanishes, a pose out of reach or a singular one end the run: what was
     reached is returned, with `result.partial` true and `result.stopped` saying why.
@@ -108,7 +108,7 @@ def integrate(
 
     rows, done, reached, stopped, crawl = [y[None]], 1, times[0], "", (0, times[0])
     stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
-        method, rate, times[0], y, times[-1], tolerances, slopes
+        method, rate, slopes, times[0], y, times[-1], tolerances, lambda t: law.stretch(t)[1]
     )
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:

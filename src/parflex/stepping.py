@@ -9,6 +9,7 @@ from scipy import integrate
 from parflex.array import Array
 from parflex.errors import InputError
 
+CLOSE = 1e-12  # of the time, that is no step
 METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
 IMPLICIT = ("Radau",)  # of these: they ask for ∂f/∂y
 
@@ -63,7 +64,7 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of one of SciPy's methods at a time, of any function.
+    """One step of one of SciPy's methods at a time, of any function, which is smooth `until` some time.
 
     Implicit methods read ∂f/∂y from `slopes`. SciPy's own differences step by parts of y: too little where
     a coordinate is near zero, and ever more, to infinity, along works, on which f does not depend.
@@ -73,13 +74,14 @@ class SciPySteps(Stepper):
         self,
         method: str,
         rate: Callable[[float, Array], Array],
+        slopes: Callable[[float, Array], Array],
         t: float,
         y: Array,
         end: float,
         tolerances: dict[str, float],
-        slopes: Callable[[float, Array], Array],
+        until: Callable[[float], float],
     ) -> None:
-        self._rate = RightHandSide(rate)
+        self._rate, self._until, self._longest = RightHandSide(rate), until, tolerances["max_step"]
         options = {"jac": slopes} if method in IMPLICIT else {}
         self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances, **options)
         self.t, self.y, self.steps = t, self._solver.y, 0
@@ -87,6 +89,9 @@ class SciPySteps(Stepper):
     def advance(self, times: Array) -> Array:
         solver = self._solver
         self._rate.refused = None
+        left = self._until(solver.t) - solver.t
+        if left > CLOSE * max(1.0, abs(solver.t)):
+            solver.max_step = min(self._longest, left)
         solver.step()
         if solver.status == "failed":
             raise Stuck

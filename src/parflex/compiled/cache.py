@@ -14,6 +14,7 @@ from parflex.errors import InputError
 from parflex.files.writing import replacing
 
 VARIABLE = "PARFLEX_CACHE"  # a folder to use instead of the user's; empty for none
+LIMIT = 500e6  # bytes; what was not used for longest goes first
 
 
 class Entry(NamedTuple):
@@ -46,6 +47,7 @@ def load(key: str) -> Entry | None:
         if hasattr(os, "getuid") and path.stat().st_uid != os.getuid():
             return None
         data = path.read_bytes()
+        os.utime(path)
     except OSError:
         return None
     if hashlib.sha256(data[32:]).digest() != data[:32]:
@@ -69,8 +71,20 @@ def save(key: str, entry: Entry) -> None:
     try:
         with replacing(place / f"{key}.bin") as part:
             part.write_bytes(hashlib.sha256(data).digest() + data)
-    except InputError:
+        trim(place)
+    except (InputError, OSError):  # no place, or another process at the same work
         return
+
+
+def trim(place: Path) -> None:
+    """Keep to the limit."""
+    known = [(path.stat(), path) for path in place.glob("*.bin")]
+    excess = sum(found.st_size for found, _ in known) - LIMIT
+    for found, path in sorted(known, key=lambda item: item[0].st_mtime):
+        if excess <= 0:
+            return
+        path.unlink()
+        excess -= found.st_size
 
 
 def key_of(*parts: object) -> str:

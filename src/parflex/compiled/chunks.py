@@ -26,8 +26,8 @@ DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as wer
 NUMBERS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # of its methods
 MEMORY = 2000  # MB that a chunk may take
 
-# void rhs(dy, t, y, args, _): the flat state and the works follow from the kernel whose arrays are in
-# a block of words; a state that some leg does not reach gives numbers that are none
+# void rhs(dy, t, y, args, _): the flat state and the works follow from the kernel whose arrays, and what it
+# reads of the law, are in a block of words; a state that some leg does not reach gives numbers that are none
 DRIVER = f"""
 define void @rhs(ptr %dy, double %t, ptr %y, ptr %args, ptr %unused) {{
 entry:
@@ -40,47 +40,23 @@ entry:
   %w3 = getelementptr i64, ptr %block, i64 3
   %time = load ptr, ptr %w3
   %w4 = getelementptr i64, ptr %block, i64 4
-  %count = load i64, ptr %w4
+  %margins = load i64, ptr %w4
   %w5 = getelementptr i64, ptr %block, i64 5
-  %starts = load ptr, ptr %w5
+  %health = load ptr, ptr %w5
   %w6 = getelementptr i64, ptr %block, i64 6
-  %rows = load ptr, ptr %w6
+  %refused = load ptr, ptr %w6
   %w7 = getelementptr i64, ptr %block, i64 7
-  %width = load i64, ptr %w7
-  %w8 = getelementptr i64, ptr %block, i64 8
-  %margins = load i64, ptr %w8
-  %w9 = getelementptr i64, ptr %block, i64 9
-  %health = load ptr, ptr %w9
-  %w10 = getelementptr i64, ptr %block, i64 10
-  %refused = load ptr, ptr %w10
-  %w11 = getelementptr i64, ptr %block, i64 11
-  %p_dy = load ptr, ptr %w11
+  %p_dy = load ptr, ptr %w7
   store double %t, ptr %time
   store ptr %y, ptr %pointers
   store ptr %dy, ptr %p_dy
   %works = getelementptr double, ptr %dy, i64 %size
   %p_works = getelementptr ptr, ptr %p_dy, i64 1
   store ptr %works, ptr %p_works
-  br label %seek
-seek:
-  %k = phi i64 [0, %entry], [%after, %look]
-  %after = add i64 %k, 1
-  %another = icmp slt i64 %after, %count
-  br i1 %another, label %look, label %found
-look:
-  %p_start = getelementptr double, ptr %starts, i64 %after
-  %start = load double, ptr %p_start
-  %later = fcmp ole double %start, %t
-  br i1 %later, label %seek, label %found
-found:
-  %offset = mul i64 %k, %width
-  %row = getelementptr double, ptr %rows, i64 %offset
-  %p_row = getelementptr ptr, ptr %pointers, i64 2
-  store ptr %row, ptr %p_row
   call void %run(ptr %pointers, i64 0, i64 1)
   br label %judge
 judge:
-  %j = phi i64 [0, %found], [%next, %good]
+  %j = phi i64 [0, %entry], [%next, %good]
   %left = icmp slt i64 %j, %margins
   br i1 %left, label %margin, label %done
 margin:
@@ -132,7 +108,6 @@ class Chunks(Stepper):
         self._law, self._inputs = law, [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
-        self._starts = np.array(law.starts)
         self._rows = np.ascontiguousarray(law.rows, dtype=float)
         self._refused = np.full(len(y), np.nan)
         self._pointers = addresses([*self._inputs, *law.results])
@@ -143,10 +118,6 @@ class Chunks(Stepper):
                 self._pointers.ctypes.data,
                 law.inputs[0].size,
                 time.ctypes.data,
-                len(self._starts),
-                self._starts.ctypes.data,
-                self._rows.ctypes.data,
-                self._rows.shape[1],
                 MARGINS * len(law.robot.legs),
                 health.ctypes.data,
                 self._refused.ctypes.data,
@@ -159,17 +130,21 @@ class Chunks(Stepper):
     def advance(self, times: Array) -> Array:
         if self._stuck:
             raise Stuck
-        size, times = len(self.y), np.ascontiguousarray(times[:OUTPUTS])
-        self._refused[:] = np.nan
+        row, until = self._law.stretch(self.t)
+        self._pointers[2] = self._rows[row].ctypes.data
+        inside = np.ascontiguousarray(times[times <= until][:OUTPUTS])
+        end = until if len(inside) < min(len(times), OUTPUTS) else inside[-1]
+        size, self._refused[:] = len(self.y), np.nan
         solver = cyrk()
         found = solver.solve(
-            driver()[1], self.t, times[-1], self.y.ctypes.data, size, self._method, len(times), 0,
-            self._args.ctypes.data, self._args.nbytes, CHUNK, MEMORY, False, times.ctypes.data, len(times),
+            driver()[1], self.t, end, self.y.ctypes.data, size, self._method, len(inside), 0,
+            self._args.ctypes.data, self._args.nbytes, CHUNK, MEMORY, False, inside.ctypes.data, len(inside),
             None, None, 0, self._rtol.ctypes.data, 1, self._atol.ctypes.data, 1, self._longest, 0.0, True,
         )  # fmt: skip
         try:
             status, taken = solver.status(found), solver.steps_taken(found)
             rows = np.array(solver.y(found)[: solver.size(found) * size]).reshape(-1, size)
+            rows = rows[: len(inside)]  # without output times it gives all steps
             if taken:
                 self.t, self.y = solver.t_now(found), np.array(solver.y_now(found)[:size])
         finally:

@@ -13,7 +13,7 @@ import numpy as np
 
 from parflex.array import Array, looping
 from parflex.compiled.kernels import Kernel
-from parflex.compiled.recorder import Recorded, Recorder, free, names, operations
+from parflex.compiled.recorder import Recorded, Recorder, column_of, free, names, operations
 from parflex.compiled.symbol import Symbol, vector
 from parflex.compiled.vm import traced
 
@@ -74,7 +74,7 @@ def program(kernel: Kernel, lanes: int = 1) -> Program:
         looping.reset(token)
     alive = in_use(recorder.loops, outputs)
     loops, arguments = linked(alive)
-    results = [casadi.vertcat(*(x for column in loop.results for x in column)) for loop in alive]
+    results = [column_of([x for column in loop.results for x in column]) for loop in alive]
     graph = casadi.Function(kernel.name, inputs + results, arguments + outputs, {"cse": True})
     return Program(graph, loops)
 

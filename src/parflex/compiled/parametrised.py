@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -69,18 +68,7 @@ class At(Function):
     """A parametrised function at given θ (…, P), called like one that has none."""
 
     def __init__(self, function: Function, theta: Array) -> None:
-        self.function, self.theta = function, theta
-
-    @cached_property
-    def kernel(self) -> Kernel:  # type: ignore[override]
-        """The kernel without its last input."""
-        whole = self.function.kernel
-
-        def function(*inputs: Array) -> tuple[Array, ...]:
-            batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
-            return whole.function(*inputs, np.broadcast_to(self.theta, batch + self.theta.shape[-1:]))
-
-        return Kernel(whole.name, function, whole.inputs[:-1], whole.outputs, whole.subject)
+        self.function, self.theta, self.kernel = function, theta, fixed(function.kernel, theta)
 
     def __call__(self, *inputs: Array) -> tuple[Array, ...]:
         return self.function(*inputs, self.theta)
@@ -93,3 +81,13 @@ class At(Function):
 
     def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
         return self.function.bind([*inputs, self.theta], outputs)
+
+
+def fixed(whole: Kernel, theta: Array) -> Kernel:
+    """The kernel without its last input, which is θ (…, P)."""
+
+    def function(*inputs: Array) -> tuple[Array, ...]:
+        batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
+        return whole.function(*inputs, np.broadcast_to(theta, batch + theta.shape[-1:]))
+
+    return Kernel(whole.name, function, whole.inputs[:-1], whole.outputs, whole.subject)

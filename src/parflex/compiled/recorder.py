@@ -133,7 +133,7 @@ def common(known: Inputs, array: Array) -> Array:
 
 def free(expressions: Sequence[casadi.SX]) -> set[int]:
     """The symbols in them, by name."""
-    return set(names(casadi.symvar(casadi.vertcat(*expressions))))
+    return set(names(casadi.symvar(column_of(expressions))))
 
 
 def names(symbols: Iterable[casadi.SX]) -> list[int]:

@@ -19,6 +19,7 @@ from parflex.report.checks import LEDGER, checks_of
 from parflex.result import Result
 from parflex.sketch import instant_of_largest_bend, sketch_of
 from parflex.viewer.opening import Opened, opened
+from parflex.viewer.scene import finite_part
 
 SETTINGS = {
     "integrator": "integrator",
@@ -91,8 +92,10 @@ def picture(figure: Any) -> str:
 
 def robot_picture(data: xr.Dataset) -> str:
     """The robot where it bends most; empty where the result does not tell enough of it."""
-    if not set(PICTURED) <= set(data):
+    whole = finite_part(data)
+    if whole is None or not set(PICTURED) <= set(data):
         return ""
+    data = whole
     index = instant_of_largest_bend(as_result(data))
     when = f"t = {float(data['time'][index]):.3g} s"
     return picture(plot.robot_at(sketch_of(as_result(data), index), when))

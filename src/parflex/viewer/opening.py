@@ -10,16 +10,24 @@ import xarray as xr
 from parflex.errors import InputError
 from parflex.files.absent import absent
 from parflex.result import FORMAT
+from parflex.viewer.layout import misfits
 
 NEEDED = ("position", "rotation")  # without these there is no robot to draw
 TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
 
+PER_INSTANT = (
+    "position", "rotation", "elastic", "leg_path", "leg_axis", "attachment_position",
+    "attachment_deformation", "contact_forces",
+)  # fmt: skip
 WORDS = {
+    "time": "the instants",
     "position": "where the platform is",
     "rotation": "how the platform is turned",
     "leg_path": "the legs' points",
     "leg_axis": "the joints' axes",
     "leg_station": "the kinds of the joints",
+    "path_leg": "whose the legs' points are",
+    "path_attachment": "what the legs hold",
     "attachment_position": "where the legs hold the platform",
     "attachment_deformation": "the deformation where the legs hold the platform",
     "contact_forces": "the forces at the joints",
@@ -49,13 +57,16 @@ def opened(path: Path) -> Opened:
     Raises InputError where the file is missing or cannot be read; of one that was cut off nothing can,
     since HDF5 keeps its index at the end.
     """
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give a result in it, {path / 'result.nc'} for instance")
     try:
         with xr.open_dataset(path, engine="h5netcdf") as data:
-            return judged(data.load())
+            loaded = data.load()
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"{path} {damage(str(error) or type(error).__name__)}") from None
+    return judged(loaded)
 
 
 def damage(words: str) -> str:
@@ -66,7 +77,8 @@ def damage(words: str) -> str:
             f"is truncated: {cut[1]} of its {cut[2]} bytes are there, and its index, which stood at the end, "
             f"is not; copy it again, or run the simulation again"
         )
-    return f"is damaged or no NetCDF-4 file: {words.splitlines()[0].split(' (')[0]}"
+    reason = re.search(r"\(([^()]*)\)", words.splitlines()[0])
+    return f"is damaged or no NetCDF-4 file: {reason[1] if reason else words.splitlines()[0]}"
 
 
 def judged(dataset: xr.Dataset) -> Opened:
@@ -80,20 +92,31 @@ def judged(dataset: xr.Dataset) -> Opened:
     if dataset.attrs.get("partial"):
         why = dataset.attrs.get("stopped") or "for a reason that the file does not tell"
         notes.append(f"Partial: the run stopped {why}.")
-    notes += incomplete(dataset)
-    return Opened(dataset, tuple(notes))
+    strange = misfits(dataset)
+    if strange:
+        notes.append(f"Not what a result has there, and left out: {named(strange)}.")
+    notes += incomplete(dataset, strange)
+    return Opened(dataset.drop_vars(strange), tuple(notes))
 
 
-def incomplete(dataset: xr.Dataset) -> list[str]:
+def named(variables: list[str]) -> str:
+    """Variables in words, with their names."""
+    return ", ".join(f"{WORDS[name]} ({name})" if name in WORDS else name for name in variables)
+
+
+def incomplete(dataset: xr.Dataset, strange: list[str]) -> list[str]:
     """A sentence about what the view needs and the file lacks, and one about numbers that are none."""
+    if not dataset.sizes.get("time", 1):
+        return ["No instants: the run ended before its first."]
     lost = [name for name in WORDS if name not in dataset]
     notes = []
-    if "platform_triangle" in lost:
-        lost.remove("platform_triangle")
+    if "platform_triangle" in {*lost, *strange}:
+        lost = [name for name in lost if name != "platform_triangle"]
         notes.append("No platform mesh (platform_triangle): the platform is shown by its nodes.")
     if lost:
-        notes.append(f"Missing: {', '.join(f'{WORDS[name]} ({name})' for name in lost)}.")
-    broken = [name for name in NEEDED if name in dataset and not np.all(np.isfinite(dataset[name]))]
+        notes.append(f"Missing: {named(lost)}.")
+    there = [name for name in PER_INSTANT if name in dataset and name not in strange]
+    broken = [name for name in there if not np.all(np.isfinite(dataset[name]))]
     if broken:
-        notes.append(f"Not finite at some instants: {', '.join(WORDS[name] for name in broken)}.")
+        notes.append(f"Not finite at some instants, which are left out: {named(broken)}.")
     return notes

@@ -160,7 +160,9 @@ def notes_of(result: Opened, scene: Scene | None) -> list[str]:
 
 def figures_of(result: Opened) -> list[dict[str, Any]]:
     """The figures of the run, with the places of their cursors in percent."""
-    figures = []
+    figures: list[dict[str, Any]] = []
+    if not result.dataset.sizes.get("time"):
+        return figures
     for words, figure in plot.over_time(Result(lambda: result.dataset, "")).items():
         svg, boxes = plot.drawn(figure)
         places = [

@@ -8,17 +8,14 @@ import xarray as xr
 from parflex.array import Array
 from parflex.sketch import SHOWN
 from parflex.viewer.colours import Colouring, colourings_of
-from parflex.viewer.opening import NEEDED, Opened
+from parflex.viewer.opening import NEEDED, PER_INSTANT, Opened
 from parflex.viewer.parts import Legs, Part, arrow, legs_of, parts_of, shares
 
 MOST_INSTANTS = 2000  # more than a screen has columns for the timeline
 ARROW = 0.45  # of the platform's size: the longest force
 SCALES = (0, 1, 1.5, 2, 3, 5, 7, 10, 15, 20, 30, 50, 70, 100, 150, 200, 300, 500, 700, 1000, 2000, 5000)
 
-PER_INSTANT = (
-    "position", "rotation", "elastic", "leg_path", "leg_axis", "attachment_position",
-    "attachment_deformation", "contact_forces",
-)  # fmt: skip
+SHAPED = ("platform_shape", "platform_stress")  # of use with elastic coordinates only
 
 
 class Platform(NamedTuple):
@@ -47,9 +44,9 @@ def scene_of(result: Opened) -> Scene | None:
     data = at_some_instants(finite_part(result.dataset))
     if data is None:
         return None
-    body = platform_of(data)
     legs = legs_of(data)
     elastic = data["elastic"].values if "elastic" in data else np.zeros((data.sizes["time"], 0))
+    body = platform_of(data if "elastic" in data else data.drop_vars(SHAPED, errors="ignore"))
     elastic = elastic[:, : len(body.shapes)]
     colourings = colourings_of(body.shapes, body.stress, elastic)
     parts = [*(parts_of(legs) if legs else []), *arrows(data, body.size)]
