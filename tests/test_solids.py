@@ -58,6 +58,21 @@ def test_torsion_of_a_cylinder(tmp_path):
     assert abs(np.sum(u * expected)) >= 0.999 * np.linalg.norm(u) * np.linalg.norm(expected)
 
 
+def test_directions_that_are_negligible_alone_may_not_be_so_together(tmp_path):
+    """On a disc with a boss two of them, each below the tolerance, are beyond it together: one is kept."""
+    occ = pytest.importorskip("netgen.occ")
+    disc = occ.Cylinder((0, 0, 0), occ.Z, r=240, h=12) + occ.Cylinder((0, 0, 0), occ.Z, r=50, h=40)
+    disc.WriteStep(str(tmp_path / "disc.step"))
+    body = pf.fe.solid_body(pf.fe.step_mesh(tmp_path / "disc.step", size=0.04), STEEL)
+    angles = np.radians([0, 120, 240])
+    points = np.stack([0.2 * np.cos(angles), 0.2 * np.sin(angles), np.full(3, 0.012)], axis=-1)
+    found = pf.fe.modes(body, points, tool=[0, 0, 0.04], radius=0.02)
+    assert found.reduction.basis.negligible < 0.01
+    assert found.error.within(0.01)
+    loose = pf.fe.FreeFreeWithAttachment(found.reduction.basis.n, points, [0, 0, 0.04], 0.02, 0.01)
+    assert not loose.modes(body).error.within(0.01)
+
+
 def test_moment_tensors_against_brute_force(block):
     """All six integrals against a quadrature of order eight over the shapes as functions, 1e-10 of the
     largest a tensor could be."""

@@ -25,6 +25,7 @@ Places = tuple[Any, Any, float | None, float]  # points, tool, radius, negligibl
 
 FIRST = 5  # pinned frequencies that are looked at where nothing else is said
 COUNTS = (12, 24, 48, 96)  # free–free modes that are tried
+PARTS = (1.0, 0.1, 0.01)  # of the tolerance, below which a direction is left out
 MOVING = 1e-3  # a pinned frequency that is none, of the highest
 
 
@@ -104,11 +105,16 @@ def smallest(
         return error_of(reduction, truth, chosen(every, columns)).within(tolerance)
 
     for n in range(len(squares) + 1):
-        attached = attachments(every, squares, n, truth, places[-1])
-        if good([*range(n), *attached]):
-            fewer = range(n, min(n + len(attached), len(squares) + 1))
-            alone = next((m for m in fewer if good(list(range(m)))), None)
-            return FreeFreeWithAttachment(n, *places) if alone is None else FreeFree(alone, *places)
+        tried: list[int] | None = None
+        for part in PARTS:  # several directions that are left out, each negligible, may not be together
+            negligible = part * places[-1]
+            attached = attachments(every, squares, n, truth, negligible)
+            if attached != tried and good([*range(n), *attached]):
+                fewer = range(n, min(n + len(attached), len(squares) + 1))
+                alone = next((m for m in fewer if good(list(range(m)))), None)
+                held = (*places[:-1], negligible)
+                return FreeFreeWithAttachment(n, *held) if alone is None else FreeFree(alone, *held)
+            tried = attached
     return None
 
 
