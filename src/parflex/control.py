@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from bisect import bisect_right
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -12,7 +13,8 @@ from numpy.typing import ArrayLike
 from parflex import singular
 from parflex.array import Array, Given
 from parflex.check import finite, of_type
-from parflex.compiled import kernels, motions
+from parflex.compiled import kernels, motion_jacobians, motions
+from parflex.compiled.backend import Trigger
 from parflex.compiled.kernels import Kernel
 from parflex.errors import InputError
 from parflex.loads import Loads, at_times
@@ -45,6 +47,7 @@ class Law:
         *chosen: Output,
     ) -> None:  # fmt: skip
         self.function = model.function(build, *chosen, loads.places)
+        self._build_jacobian = partial(model.function, motion_jacobians.KNOWN[build], *chosen, loads.places)
         self.loads, self.rows = loads, np.atleast_2d(rows)
         self.starts = [float(start) for start in np.asarray(starts)]
         self.inputs = [np.zeros(n) for n in self.function.kernel.inputs]
@@ -73,13 +76,25 @@ class Law:
 
         Raises as `Model.direct` where a leg's inverse geometry fails.
         """
-        own_x, own_t, own_row, own_w, _ = self.inputs
-        own_row[:] = self.row(t, x)
-        own_x[:], own_t[0], own_w[:] = x, t, self.loads(t, x)
+        self._read(t, x)
         self._run()
         _, moved, powers, _, health = self.results
         singular.check_legs(self.robot, health)
         return moved, powers
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether its derivative is compiled: nobody is called, and the state carries no joints."""
+        return self.alone and self.robot.layout.carried == 0
+
+    def jacobian(self, t: float, x: Array) -> Array:
+        """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
+        if not self.differentiable:
+            return differences(lambda x: self.rate(t, x)[0].copy(), x)
+        run, found = self._slopes
+        self._read(t, x)
+        run()
+        return found.reshape(len(x), len(x))
 
     def forces(self, t: float, x: Array) -> Array:
         """Γ (m,) at a time and flat state."""
@@ -92,6 +107,19 @@ class Law:
         applied = self.loads.at(t, x)
         u, moved, _, f, _ = self.function.each(x, t[:, None], rows, applied, self.loads.pushes)
         return Motion(u, moved, f, applied + self.loads.constant(x))
+
+    @cached_property
+    def _slopes(self) -> tuple[Trigger, Array]:
+        """The compiled Jacobian, and where it leaves its answer."""
+        function = self._build_jacobian()
+        found = np.zeros(function.kernel.outputs[0])
+        return function.bind(self.inputs, [found]), found
+
+    def _read(self, t: float, x: Array) -> None:
+        """Fill the kernel's inputs."""
+        own_x, own_t, own_row, own_w, _ = self.inputs
+        own_row[:] = self.row(t, x)
+        own_x[:], own_t[0], own_w[:] = x, t, self.loads(t, x)
 
     def watch(self, x: Array) -> tuple[int, str]:
         """How many of the flat states (T, size) of a motion come before it crosses a singularity, and
@@ -172,6 +200,11 @@ class Tracking(Law):
         rows = np.hstack([way.segments, np.tile(constant, (len(way.segments), 1))])
         super().__init__(model, loads, motions.tracking, rows, way.starts[1:], control.output)
         self._watch = singular.Watch(model, control.output)
+        self._square = control.output.size == m
+
+    @property
+    def differentiable(self) -> bool:
+        return self._square and super().differentiable
 
     def watch(self, x: Array) -> tuple[int, str]:
         return self._watch.look(x)
@@ -230,6 +263,14 @@ class Called(Law):
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
         return found
+
+
+def differences(function: Callable[[Array], Array], x: Array) -> Array:
+    """∂function/∂x by steps of 1.5e-8 ahead."""
+    from scipy.optimize import approx_fprime
+
+    found: Array = approx_fprime(x, function)
+    return found
 
 
 def same_model(own: "Model", simulated: "Model") -> None:

@@ -157,8 +157,8 @@ def residuals(robot: Robot, system: System, at: Solved) -> Array:
     return join([*parts, rigid, elastic])
 
 
-def by_state(robot: Robot, system: System, at: Solved, load: Load) -> Array:
-    """Y s − Q r_1 for every small motion of the state."""
+def by_state(robot: Robot, system: System, at: Solved, load: Load, driven: Array | float = 0.0) -> Array:
+    """Y s − Q r_1 for every small motion of the state; `driven` is J A⁻¹ S ∂Γ where forces change with it."""
     body, x = robot.platform, system.x
     gravity = mtv(x.rotation, np.asarray(robot.gravity))
     platform = platform_tangent(body, x, gravity, at.a)
@@ -171,7 +171,7 @@ def by_state(robot: Robot, system: System, at: Solved, load: Load) -> Array:
     bending = platform.elastic + pushed - external[..., 3:]
     still, none = np.zeros((6 + N, 3)), np.zeros((6 + N, 2 * carried))
     r_1 = block([[still, turning, still, platform.omega, bending, platform.elastic_rate, none]])
-    s = closure_changes(robot, system, at.qdd, tips, at.a)
+    s = closure_changes(robot, system, at.qdd, tips, at.a) + driven
 
     def changed(s: Array, r: Array, Y: Array, Q: Array) -> Array:
         return s @ transpose(Y) - r @ transpose(Q)

@@ -54,7 +54,7 @@ def simulate(
     """The motion from `state` on, at the times t (T,) s, by an adaptive method.
 
     method is "DOP853", of eighth order and the quickest at every useful tolerance, "RK45", or for
-    modes that are stiff and heavily damped "Radau", which estimates the Jacobian by differences.
+    modes that are stiff and heavily damped, or stiff controllers, "Radau", which is implicit.
 
     Driven by forces (m,), a `Controller`, or a function (t, state) -> forces (m,), which is called
     again at the output times; wrenches on platform nodes are constant, or a function of time. rtol
@@ -103,9 +103,12 @@ def integrate(
     def rate(t: float, y: Array) -> Array:
         return np.concatenate(law.rate(t, y[:-WORKS]))
 
+    def slopes(t: float, y: Array) -> Array:
+        return np.pad(law.jacobian(t, y[:-WORKS]), (0, WORKS))
+
     rows, done, reached, stopped, crawl = [y[None]], 1, times[0], "", (0, times[0])
     stepper: Stepper = chunks(law, method, times[0], y, tolerances) or SciPySteps(
-        method, rate, times[0], y, times[-1], tolerances, lambda t: law.stretch(t)[1]
+        method, rate, slopes, times[0], y, times[-1], tolerances, lambda t: law.stretch(t)[1]
     )
     with Progress("simulate", times[-1] - times[0]) as bar:
         try:

@@ -11,6 +11,7 @@ from parflex.errors import InputError
 
 CLOSE = 1e-12  # of the time, that is no step
 METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
+IMPLICIT = ("Radau",)  # of these: they ask for ∂f/∂y
 
 
 class Stuck(Exception):
@@ -63,12 +64,17 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of one of SciPy's methods at a time, of any function, which is smooth `until` some time."""
+    """One step of one of SciPy's methods at a time, of any function, which is smooth `until` some time.
+
+    Implicit methods read ∂f/∂y from `slopes`. SciPy's own differences step by parts of y: too little where
+    a coordinate is near zero, and ever more, to infinity, along works, on which f does not depend.
+    """
 
     def __init__(
         self,
         method: str,
         rate: Callable[[float, Array], Array],
+        slopes: Callable[[float, Array], Array],
         t: float,
         y: Array,
         end: float,
@@ -76,7 +82,8 @@ class SciPySteps(Stepper):
         until: Callable[[float], float],
     ) -> None:
         self._rate, self._until, self._longest = RightHandSide(rate), until, tolerances["max_step"]
-        self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances)
+        options = {"jac": slopes} if method in IMPLICIT else {}
+        self._solver = getattr(integrate, method)(self._rate, t, y, end, **tolerances, **options)
         self.t, self.y, self.steps = t, self._solver.y, 0
 
     def advance(self, times: Array) -> Array:

@@ -17,6 +17,7 @@ from parflex.output import Output
 from parflex.platform import axial
 from parflex.robot import Robot
 from parflex.segment import SEGMENT, along
+from parflex.state import Coordinates
 from parflex.wrench import Place, pushed
 
 GAINS = 12  # kp 6, kd 6
@@ -39,18 +40,28 @@ def springs(robot: Robot, places: Places) -> Kernel:
 
     Angles are known up to full turns.
     """
-    m = robot.n_forces
-    slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
 
     def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
-        preload, kp, kd, wanted = (row[..., i * m : (i + 1) * m] for i in range(4))
-        ahead = wanted - assembly.actuated_positions(robot, system)
-        turned = np.arctan2(np.sin(ahead), np.cos(ahead))
-        ahead = slides * ahead + (1 - slides) * turned
-        u = preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+        u = spring_forces(robot, system, row)
         return u, dynamics.direct_of(robot, system, u, load)
 
-    return motion("springs", robot, 4 * m, law, places)
+    return motion("springs", robot, 4 * robot.n_forces, law, places)
+
+
+def spring_forces(robot: Robot, system: assembly.System, row: Array) -> Array:
+    """Γ (…, m) of springs and dampers."""
+    slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
+    preload, kp, kd, wanted = quarters(row)
+    ahead = wanted - assembly.actuated_positions(robot, system)
+    turned = np.arctan2(np.sin(ahead), np.cos(ahead))
+    ahead = slides * ahead + (1 - slides) * turned
+    return preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+
+
+def quarters(row: Array) -> list[Array]:
+    """Γ_0, kp, kd and the reference (…, m) in a row of springs."""
+    m = row.shape[-1] // 4
+    return [row[..., i * m : (i + 1) * m] for i in range(4)]
 
 
 def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
@@ -62,22 +73,26 @@ def tracking(robot: Robot, output: Output, places: Places) -> Kernel:
     """
 
     def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
-        wanted, now = along(row[..., :SEGMENT], t), system.x
-        gains, preload = row[..., SEGMENT : SEGMENT + GAINS], row[..., SEGMENT + GAINS :]
-        R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
-        place = mtv(now.rotation, wanted.position - now.position)
-        error = join([place, 0.5 * axial(R_pd)])
-        twist, acceleration = (
-            join([mv(R_pd, part[..., :3]), mv(R_pd, part[..., 3:])])
-            for part in (wanted.twist, wanted.acceleration)
-        )
-        kp, kd = gains[..., :6], gains[..., 6:]
-        target = (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
+        target, preload = tracked(system.x, t, row, output), row[..., SEGMENT + GAINS :]
         none = np.zeros(6 + robot.platform.modes)
         found = dynamics.inverse_of(robot, system, target, none, output, preload, unforeseen=load)
         return found.forces, found.acceleration
 
     return motion("tracking", robot, SEGMENT + GAINS + robot.n_forces, law, places, output)
+
+
+def tracked(now: Coordinates, t: Array, row: Array, output: Output) -> Array:
+    """The target (…, o) of computed torque at times (…,)."""
+    wanted, gains = along(row[..., :SEGMENT], t), row[..., SEGMENT : SEGMENT + GAINS]
+    R_pd = np.matmul(transpose(now.rotation), wanted.rotation)
+    place = mtv(now.rotation, wanted.position - now.position)
+    error = join([place, 0.5 * axial(R_pd)])
+    twist, acceleration = (
+        join([mv(R_pd, part[..., :3]), mv(R_pd, part[..., 3:])])
+        for part in (wanted.twist, wanted.acceleration)
+    )
+    kp, kd = gains[..., :6], gains[..., 6:]
+    return (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
 
 
 def motion(name: str, robot: Robot, row_size: int, law: Law, places: Places, *chosen: Output) -> Kernel:
