@@ -113,17 +113,17 @@ def compliances(blocks: Sequence[Array]) -> tuple[Array, Array]:
     """J A⁻¹ Jᵀ of groups of legs (…, L, 3t, 3t), tip by tip: (…, k, 3, 3s), with the s tips of the same leg;
     and which those are, (k, s, k) of zeros and ones."""
     most = max((block.shape[-1] // 3 for block in blocks), default=1)
-    tips = sum(block.shape[-3] * block.shape[-1] // 3 for block in blocks)
-    own, mates, first = [np.zeros((0, 3, 3 * most))], np.zeros((tips, most, tips)), 0
+    count = sum(block.shape[-3] * block.shape[-1] // 3 for block in blocks)
+    own, mates, first = [np.zeros((0, 3, 3 * most))], np.zeros((count, most, count)), 0
     for block in blocks:
-        legs, width = block.shape[-3], block.shape[-1]
-        rows = block.reshape((*block.shape[:-3], legs * width // 3, 3, width))
-        more = np.zeros((*rows.shape[:-1], 3 * most - width))
-        own.append(np.concatenate([rows, more], axis=-1))
-        for i in range(legs * width // 3):
-            leg = first + i // (width // 3) * (width // 3)
-            mates[first + i, range(width // 3), range(leg, leg + width // 3)] = 1.0
-        first += legs * width // 3
+        legs, tips = block.shape[-3], block.shape[-1] // 3
+        rows = block.reshape((*block.shape[:-3], legs * tips, 3, 3 * tips))
+        none = np.zeros((*rows.shape[:-1], 3 * (most - tips)))
+        own.append(np.concatenate([rows, none], axis=-1))
+        for leg in range(legs):
+            its = first + leg * tips + np.arange(tips)
+            mates[its[:, None], np.arange(tips), its] = 1.0
+        first += legs * tips
     batch = np.broadcast_shapes(*(part.shape[:-3] for part in own))
     wide = [np.broadcast_to(part, batch + part.shape[-3:]) for part in own]
     return np.concatenate(wide, axis=-3), mates
