@@ -13,6 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from conftest import relative
 from parflex.compiled import kernels
 from parflex.progress import Progress
 from parflex.singular import Watch
@@ -207,6 +208,16 @@ def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
     assert run.partial
     assert "interrupted" in run.stopped
     assert 1 < run.dataset.sizes["time"] < len(times)
+
+
+def test_controllers_are_functions_of_time_and_state(model_of):
+    """What a joint controller gives at the rows of a run is what the run recorded."""
+    model = model_of(3, "vm")
+    start, forces = model.static(*model.robot.home_pose)
+    hold = pf.JointPD(model, start, 1e5, 1e3, forces)
+    run = pf.simulate(model, hold, model.robot.home, np.linspace(0, 0.02, 5))
+    found = [hold(t, run.state(i)) for i, t in enumerate(run.dataset.time.values)]
+    assert relative(found, run.dataset.forces) <= 1e-12
 
 
 @pytest.mark.parametrize("method", ["RK45", "Radau"])

@@ -134,7 +134,13 @@ class Law:
 class Controller(ABC):
     """Actuator forces as a function of time and state."""
 
+    model: "Model"
     trajectory: Trajectory | None = None  # what the platform is to follow, for the record
+
+    def __call__(self, t: float, state: State) -> Array:
+        """Forces (m,) at a time and state."""
+        model = self.model.of(state)
+        return self.bind(model, Loads(model, ())).forces(t, model.flat(state))
 
     @abstractmethod
     def bind(self, model: "Model", loads: Loads) -> Law:
@@ -179,11 +185,6 @@ class ComputedTorque(Controller):
                 f"ComputedTorque follows {self.output.size} freedoms, but the robot has {m} actuators; "
                 f"name as many with output=FrameOutput(rows=…), or use JointPD or a function of your own"
             )
-
-    def __call__(self, t: float, state: State) -> Array:
-        """Forces (m,) at a time and state."""
-        model = self.model.of(state)
-        return self.bind(model, Loads(model, ())).forces(t, model.flat(state))
 
     def bind(self, model: "Model", loads: Loads) -> Law:
         same_model(self.model, model)
