@@ -9,6 +9,8 @@ import json
 import re
 from pathlib import Path
 
+import pytest
+
 FILE = Path(__file__).parent.parent / "build" / "verification.json"
 NUMBER = r"(?:np\.\w+\()?([-+]?\d[\d.]*(?:e[-+]?\d+)?)\)?"
 COMPARED = re.compile(rf"^{NUMBER} <=? (?:{NUMBER}|\({NUMBER} \* {NUMBER}\))\s*$")
@@ -39,8 +41,20 @@ def about(item) -> dict:
     return {"file": item.path.name, "subject": module.split("\n\n")[0], "what": words.split("\n\n")[0]}
 
 
+@pytest.hookimpl(optionalhook=True)
+def pytest_testnodedown(node) -> None:
+    """What a process of several has measured."""
+    for key, row in getattr(node, "workeroutput", {}).get("measured", {}).items():
+        known = measured.setdefault(key, row)
+        worse = max(known, row, key=lambda each: each["ratio"])
+        measured[key] = worse | {"cases": sorted({*known["cases"], *row["cases"]})}
+
+
 def pytest_sessionfinish(session) -> None:
     """Rows of this run take the place of older ones; those of other tests stay."""
+    if hasattr(session.config, "workeroutput"):
+        session.config.workeroutput["measured"] = measured
+        return
     if not measured:
         return
     older = json.loads(FILE.read_text()) if FILE.is_file() else {}
