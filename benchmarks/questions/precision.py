@@ -40,7 +40,7 @@ def ask() -> Section:
             for rtol, (missed, seconds) in zip(TOLERANCES, points, strict=False):
                 section.add(modes, way, f"{rtol:.0e}", f"{missed:.1e}", f"{1e3 * seconds:.3g}")
             axis.loglog(*zip(*points, strict=True), "o-", label=way)
-        axis.set(title=f"N = {modes}", xlabel="error / 1")
+        axis.set(title=f"N = {modes}", xlabel="largest error over the largest change")
         axis.grid(alpha=0.3)
     axes[0].set_ylabel("time / s")
     axes[0].legend()
