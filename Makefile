@@ -9,5 +9,5 @@ bench: $(ENVIRONMENT)/installed
 
 $(ENVIRONMENT)/installed: pyproject.toml benchmarks/requirements.txt
 	$(PYTHON) -m venv $(ENVIRONMENT)
-	$(ENVIRONMENT)/bin/python -m pip install --quiet --editable . --requirement benchmarks/requirements.txt
+	$(ENVIRONMENT)/bin/python -m pip install --quiet --editable ".[view]" --requirement benchmarks/requirements.txt
 	touch $@
