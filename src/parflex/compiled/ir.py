@@ -27,7 +27,7 @@ class Places(NamedTuple):
 
 
 def module(program: Program, lanes: int, widest: int) -> str:
-    """IR of `run(pointers, start, blocks)`, and of `once(pointers)` for a single block.
+    """IR of `run(pointers, start, blocks)`.
 
     pointers holds the addresses of the graph's inputs (B, n_i), then of its outputs (B, m_i), rows
     contiguous; `blocks` times `lanes` rows are computed from row `start` on. Loops treat `widest` rows
@@ -78,10 +78,6 @@ def driver(scratch: int, lanes: int, parts: int) -> str:
             "%next = add i64 %block, 1",
             "br label %test",
             "done:",
-            "ret void",
-            "}",
-            "define void @once(ptr %pointers) {",
-            "call void @run(ptr %pointers, i64 0, i64 1)",
             "ret void",
             "}",
         ]

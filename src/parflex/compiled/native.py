@@ -28,7 +28,6 @@ REGION = 100  # loads and stores that LLVM orders at a time: what that takes gro
 SHARED = 64  # blocks of rows from which on processors share them
 
 Run = ctypes.CFUNCTYPE(None, ctypes.c_void_p, ctypes.c_int64, ctypes.c_int64)
-Once = ctypes.PYFUNCTYPE(None, ctypes.c_void_p)  # keeps the lock that Run releases: that takes as long
 
 
 class Code:
@@ -39,7 +38,6 @@ class Code:
         self._engine = engine(entry.code)
         self.address = self._engine.get_function_address("run")
         self.run = Run(self.address)
-        self.once = Once(self._engine.get_function_address("once"))
         self.sound = self._agrees(entry)
 
     def _agrees(self, entry: store.Entry) -> bool:
@@ -91,7 +89,8 @@ class NativeFunction(Function):
         given = [np.zeros(n) if a is None else a for a, n in zip(inputs, self.kernel.inputs, strict=True)]
         taken = [np.empty(n) if a is None else a for a, n in zip(outputs, self.kernel.outputs, strict=True)]
         places = addresses([*given, *taken])
-        trigger = Call(self._one.once, ctypes.c_void_p(places.ctypes.data))
+        start, blocks = ctypes.c_int64(0), ctypes.c_int64(1)
+        trigger = Call(self._one.run, ctypes.c_void_p(places.ctypes.data), start, blocks)
         trigger.kept = (places, given, taken)
         return trigger
 
