@@ -5,7 +5,7 @@ from functools import partial
 
 import llvmlite.binding as llvm
 
-from parflex.compiled.native import machine
+from parflex.compiled.native.native import machine
 
 CHAINS = 16  # more than latency times units, fewer than there are registers
 STEPS = 20_000

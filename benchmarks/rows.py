@@ -5,9 +5,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.compiled import kernels, native
-from parflex.compiled.kernels import Kernel
-from parflex.robot import Robot
+from parflex.compiled.native import native
+from parflex.kernels import models as kernels
+from parflex.kernels.kernel import Kernel
+from parflex.robot.robot import Robot
 
 
 class Rows(NamedTuple):

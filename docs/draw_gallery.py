@@ -9,10 +9,11 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 import parflex as pf
-from parflex import plot
-from parflex.compiled import kernels, vm
+from parflex.compiled import vm
+from parflex.kernels import models as kernels
 from parflex.robots import ALL_ROBOTS, Entry
-from parflex.sketch import sketch
+from parflex.views import plot
+from parflex.views.sketch import sketch
 
 PICTURES = Path(__file__).parent / "pictures"
 MOVE_TIME, INSTANT = 0.5, 0.6  # s: past the first pose, where the platform turns round

@@ -8,10 +8,10 @@ from netgen import occ
 from scipy import sparse
 
 import parflex as pf
-from parflex.fe.bulk_data import read_bulk
-from parflex.fe.deck import read_deck
-from parflex.fe.op2 import read_op2
-from parflex.fe.unit_systems import SYSTEMS
+from parflex.fe.imports.calculix.deck import read_deck
+from parflex.fe.imports.nastran.bulk_data import read_bulk
+from parflex.fe.imports.nastran.op2 import read_op2
+from parflex.fe.imports.unit_systems import SYSTEMS
 from parflex.robots.gough_stewart import PLATE
 
 DATA = Path(__file__).parent.parent / "tests" / "data"

@@ -3,7 +3,7 @@
 import numpy as np
 
 import parflex as pf
-from parflex import plot
+from parflex.views import plot
 
 side = np.radians([-120, -60, 0, 60, 120, 180])
 outline = 0.5 * np.stack([1.2 * np.cos(side), np.sin(side)], axis=-1)

@@ -4,7 +4,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
-from parflex import plot
+from parflex.views import plot
 
 CYLINDER = {"alpha": np.pi / 2, "M": 6.0, "MS": (0, -1.2, 0), "I": np.diag([0.4, 0.01, 0.4])}
 ROD = {"alpha": np.pi / 2, "M": 3.0, "MS": (0, 0, -0.9), "I": np.diag([0.35, 0.35, 0.003]), "IA": 20.0}

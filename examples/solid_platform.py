@@ -3,8 +3,8 @@
 import numpy as np
 
 import parflex as pf
-from parflex import plot
 from parflex.robots.gough_stewart import corners
+from parflex.views import plot
 
 joints = np.column_stack([corners(), np.zeros(6)])
 bar = [(-0.4, -0.02), (0.4, -0.02), (0.4, 0.02), (-0.4, 0.02)]

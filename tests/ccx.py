@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from parflex.fe.elements import TETRA_EDGES
-from parflex.fe.plate import fan_mesh
+from parflex.fe.body.elements import TETRA_EDGES
+from parflex.fe.plate.plate import fan_mesh
 from parflex.robots.gough_stewart import PLATE, corners
 
 CCX = shutil.which("ccx")

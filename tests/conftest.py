@@ -10,8 +10,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
-from parflex import cli, paper
-from parflex.fe import plate
+from parflex.app import cli, paper
+from parflex.fe.plate import plate
 
 pytest_plugins = ["verification"]
 

@@ -10,9 +10,9 @@ from scipy import sparse
 
 import parflex as pf
 from ccx import plate_mesh
-from parflex.fe.bulk_data import read_bulk
-from parflex.fe.op2 import read_op2
-from parflex.fe.unit_systems import SYSTEMS
+from parflex.fe.imports.nastran.bulk_data import read_bulk
+from parflex.fe.imports.nastran.op2 import read_op2
+from parflex.fe.imports.unit_systems import SYSTEMS
 from parflex.robots.gough_stewart import PLATE, corners
 
 DATA = Path(__file__).parent / "data"

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
-from parflex.fe import plate
+from parflex.fe.plate import plate
 
 RANK = 1e-9  # below this part of the largest singular value a row is a repetition
 STEP = 1e-30  # of a complex step, f(x + iεv) = f + iε f′v: no truncation, no cancellation

@@ -6,11 +6,11 @@ from scipy.linalg import null_space
 
 import parflex as pf
 from imports import DATA
-from parflex.fe.attach import first
-from parflex.fe.bulk_data import read_bulk
-from parflex.fe.imported import inner, rigid_fields
-from parflex.fe.op2 import read_op2
-from parflex.fe.unit_systems import SYSTEMS, check_material, units_named
+from parflex.fe.body.attach import first
+from parflex.fe.imports.imported import inner, rigid_fields
+from parflex.fe.imports.nastran.bulk_data import read_bulk
+from parflex.fe.imports.nastran.op2 import read_op2
+from parflex.fe.imports.unit_systems import SYSTEMS, check_material, units_named
 
 pytest.importorskip("pyyeti", reason="the modes are MYSTRAN's")
 

@@ -6,7 +6,7 @@ from scipy.linalg import eigh, null_space
 
 import parflex as pf
 from blocks import STEEL, box, two_blocks
-from parflex.fe.response import static_response
+from parflex.fe.body.response import static_response
 from parflex.robots.gough_stewart import PLATE, corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, TOOL, modes, plate
 
@@ -88,7 +88,7 @@ def test_converged_is_the_smallest(hexagon):
     assert not pf.fe.FreeFreeWithAttachment(8).modes(hexagon).error.within(0.01)
     finer = found.converged(1e-3, up_to=1000.0)
     assert finer.reduction.basis.n >= 9
-    far = pf.fe.accuracy.basis_error(finer.reduction, up_to=1000.0)
+    far = pf.fe.body.accuracy.basis_error(finer.reduction, up_to=1000.0)
     assert far.within(1e-3)
     assert far.pinned[-1] <= 1000.0 < 1.5 * far.pinned[-1]
 
@@ -221,7 +221,7 @@ def test_same_node_of_a_plate_twice(hexagon):
 def test_cache_gives_the_same(tmp_path, monkeypatch):
     """From an empty cache, then from a full one, where nothing is factorised."""
     monkeypatch.setenv("PARFLEX_CACHE", str(tmp_path))
-    monkeypatch.setattr(pf.fe.free_body, "SMALL", 0)
+    monkeypatch.setattr(pf.fe.body.free_body, "SMALL", 0)
     found = []
     for _ in range(2):
         body = pf.fe.solid_body(box((0.3, 0.2, 0.1), (3, 2, 1)), STEEL)

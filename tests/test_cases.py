@@ -12,10 +12,10 @@ import oracle
 import parflex as pf
 from cases import KINDS, NAMES
 from conftest import actuated, relative
-from parflex import chain
-from parflex.energy import energies
-from parflex.platform import platform_terms
-from parflex.sketch import sketch
+from parflex.mechanics import chain
+from parflex.mechanics.energy import energies
+from parflex.mechanics.platform import platform_terms
+from parflex.views.sketch import sketch
 from rewriting import REWRITINGS, one_tree, reframed
 from sample import FIELDS, Sample, with_joints
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex import plot
+from parflex.views import plot
 
 
 def test_paper_leaves_result_and_pictures(parflex, tmp_path):

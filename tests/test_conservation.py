@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex.array import mv
-from parflex.platform import platform_terms
-from parflex.state import Layout, State, coordinates, pack
+from parflex.base.array import mv
+from parflex.mechanics.platform import platform_terms
+from parflex.robot.layout import Layout, coordinates, pack
+from parflex.robot.state import State
 
 MOMENTUM = 1e-11  # over 2 s at rtol 1e-12
 BALANCE = 1e-10  # of the largest term, at rtol 1e-10

@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 import oracle
 import parflex as pf
 from conftest import actuated, relative
-from parflex.cli import app
-from parflex.closure import posed
+from parflex.app.cli import app
+from parflex.mechanics.closure import posed
+from parflex.robot.layout import unpack
 from parflex.robots import ALL_ROBOTS
-from parflex.state import unpack
 
 ENTRIES = {entry.name: entry for entry in ALL_ROBOTS}
 GAP = 1e-12  # m: round-off at the tips

@@ -7,10 +7,12 @@ import pytest
 
 import parflex as pf
 from conftest import MODES, random_forces, random_states, relative
-from parflex import assembly, cartesian, chain, dynamics, kinematics
-from parflex.array import join, mtv, mv, transpose
-from parflex.compiled import kernels
-from parflex.state import coordinates
+from parflex.base.array import join, mtv, mv, transpose
+from parflex.kernels import models as kernels
+from parflex.mechanics import cartesian, chain, dynamics, kinematics
+from parflex.mechanics import system as assembly
+from parflex.mechanics.wrench import generalised_force
+from parflex.robot.layout import coordinates
 
 SAME = 1e-12  # the same quantity by another order of operations
 SOLVED = 1e-10  # forces recovered through a solve of condition some 1e4
@@ -176,7 +178,7 @@ def test_wrench_does_the_work_it_should(case):
     node = 20
     force, moment = np.array([30.0, -20.0, 50.0]), np.array([2.0, 3.0, -1.0])
     wrench = pf.Wrench(node, force, moment, frame="platform")
-    w = pf.wrench.generalised_force(model.robot.platform, state, [wrench])
+    w = generalised_force(model.robot.platform, state, [wrench])
     speeds = join([x.twist, x.elastic_rate])
     V_t = kinematics.node_twist(model.robot.platform, node, x)
     assert relative(np.sum(w * speeds, -1), V_t @ np.concatenate([force, moment])) <= SAME
@@ -195,7 +197,7 @@ def test_force_at_an_attachment_is_carried_like_a_contact_force(case):
     stacked = np.zeros((STATES, 18))
     stacked[:, 6:9] = f
     F_p, Q_p = kinematics.generalised_force(system.W_p, system.W_e, stacked)
-    w = pf.wrench.generalised_force(body, state, [pf.Wrench(body.attachments[2], f, frame="platform")])
+    w = generalised_force(body, state, [pf.Wrench(body.attachments[2], f, frame="platform")])
     assert relative(join([F_p, Q_p]), w) <= SAME
 
 

@@ -6,9 +6,9 @@ import pytest
 import parflex as pf
 import zoo
 from conftest import random_forces, random_states
-from parflex.control import Law, as_law
-from parflex.loads import Loads
-from parflex.stepping import SciPySteps
+from parflex.simulation.control import Law, as_law
+from parflex.simulation.loads import Loads
+from parflex.simulation.stepping import SciPySteps
 
 STEP = 1e-4  # of central differences, extrapolated once
 DIFFERENCES = 1e-6  # of their own error

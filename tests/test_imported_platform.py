@@ -6,8 +6,8 @@ import pytest
 import parflex as pf
 from ccx import deck, needs_ccx, plate_mesh, run
 from imports import CORNERS, DATA
-from parflex import paper
-from parflex.fe.attach import first
+from parflex.app import paper
+from parflex.fe.body.attach import first
 from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners, gough_stewart
 
 pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")

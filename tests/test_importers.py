@@ -40,7 +40,7 @@ def test_mass_and_inertia_are_the_plates(modes):
 
 
 def test_modes_are_orthonormal_without_momentum(modes):
-    from parflex.fe.integrals import rigid_momentum
+    from parflex.fe.body.integrals import rigid_momentum
 
     modal = np.trace(modes.moments.P2, axis1=-2, axis2=-1)
     assert np.max(np.abs(modal - np.eye(len(modal)))) <= 1e-12

@@ -9,8 +9,8 @@ from scipy.spatial.transform import Rotation
 import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
-from parflex.compiled import kernels
 from parflex.compiled.vm import trace
+from parflex.kernels import models as kernels
 
 EXACT = 1e-10  # two exact derivatives, in 64 bits
 DIFFERENCES = 2e-6  # extrapolated central differences: of their own error

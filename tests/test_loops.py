@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
-from parflex.array import for_each, join, looping, merged, solve_definite, transpose
-from parflex.compiled import ir, native
-from parflex.compiled.kernels import Kernel
-from parflex.compiled.loops import program
+from parflex.base.array import join, merged, transpose
+from parflex.base.unroll import for_each, looping, solve_definite
+from parflex.compiled.native import ir, native
+from parflex.compiled.native.loops import program
 from parflex.compiled.reference import NumpyFunction
+from parflex.kernels.kernel import Kernel
 
 WIDTH = 6
 RNG = np.random.default_rng(5)

@@ -13,8 +13,8 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex.fe.bulk_data import read_bulk
-from parflex.fe.unit_systems import INCH, POUND_FORCE, SYSTEMS
+from parflex.fe.imports.nastran.bulk_data import read_bulk
+from parflex.fe.imports.unit_systems import INCH, POUND_FORCE, SYSTEMS
 from parflex.robots.gough_stewart import PLATE, corners
 
 pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")

@@ -12,9 +12,13 @@ import cases
 import parflex as pf
 import zoo
 from conftest import random_forces, random_states, relative
-from parflex.compiled import cache, instructions, ir, kernels, native
-from parflex.compiled.loops import program
+from parflex.base import cache
+from parflex.compiled.native import instructions, ir, native
+from parflex.compiled.native.loops import program
 from parflex.compiled.vm import VmBackend, VmFunction
+from parflex.kernels import models as kernels
+from parflex.kernels import motion
+from parflex.kernels.projection import projection
 
 SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
 SOLVED = 1e-12  # of the inverse model, whose systems are less well conditioned
@@ -39,7 +43,7 @@ def test_same_numbers_as_the_virtual_machine(model_of, modes):
     vm = model_of(modes, "vm")
     states, forces = random_states(vm.robot, 67, 1), random_forces(vm, 67, 2)
     x, w = vm.flat(states), np.zeros(6 + modes)
-    build = [(kernels.direct, (x, forces, w), SAME), (kernels.derivative, (x, forces, w), SAME)]
+    build = [(kernels.direct, (x, forces, w), SAME), (motion.derivative, (x, forces, w), SAME)]
     for kernel, inputs, tolerance in build:
         code, expected = native.NativeFunction(kernel(vm.robot)), vm.function(kernel)(*inputs)
         alike(code(*inputs), expected, tolerance)
@@ -144,7 +148,8 @@ def test_no_place_for_a_cache(model_of, own_cache, monkeypatch):
 
 COMPILE = """
 import parflex as pf
-from parflex.compiled import kernels, native
+from parflex.compiled.native import native
+from parflex.kernels import models as kernels
 robot = pf.robots.gough_stewart(0)
 print("ready", flush=True)
 input()
@@ -190,7 +195,7 @@ def test_other_robots_have_other_keys(model_of):
     robot = model_of(0).robot
     lighter = replace(robot, gravity=(0, 0, np.nextafter(-9.81, 0)))
     keys = {cache.key_of(kernel.name, kernel.subject) for kernel in (
-        kernels.direct(robot), kernels.direct(lighter), kernels.derivative(robot),
+        kernels.direct(robot), kernels.direct(lighter), motion.derivative(robot),
         kernels.inverse(robot, pf.FrameOutput()), kernels.inverse(robot, pf.FrameOutput((0, 1, 2))),
     )}  # fmt: skip
     assert len(keys) == 5
@@ -199,7 +204,7 @@ def test_other_robots_have_other_keys(model_of):
 def test_every_operation_has_a_translation():
     """The graphs of all kernels of a robot with carried legs, friction and springs."""
     robot = zoo.odd(0, 3).robot
-    for kernel in (kernels.direct(robot), kernels.derivative(robot), kernels.projection(robot)):
+    for kernel in (kernels.direct(robot), motion.derivative(robot), projection(robot)):
         assert "define void @run" in ir.module(program(kernel), 2, 8)
     assert VmBackend().name == "vm"
 
@@ -217,7 +222,8 @@ FORK = """
 import os, warnings
 import numpy as np
 import parflex as pf
-from parflex.compiled import kernels, native
+from parflex.compiled.native import native
+from parflex.kernels import models as kernels
 
 robot = pf.robots.gough_stewart(0)
 function = native.NativeFunction(kernels.actuators(robot))

@@ -14,7 +14,7 @@ import oracle
 import parflex as pf
 import zoo
 from conftest import relative
-from parflex import singular
+from parflex.analysis import singularities as singular
 from rewriting import reframed
 
 LIBRARY = 1e-9  # the accuracy the library promises

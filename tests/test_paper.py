@@ -12,7 +12,7 @@ from matplotlib.image import imread
 import oracle
 import parflex as pf
 from conftest import relative
-from parflex import paper
+from parflex.app import paper
 
 source = importlib.import_module("parflex.robots.gough_stewart")
 SOURCES = Path(pf.__file__).parent

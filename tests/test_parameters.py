@@ -10,8 +10,8 @@ import cases
 import parflex as pf
 import zoo
 from conftest import random_states, relative
-from parflex.compiled.c.export import robot_of as exported
-from parflex.compiled.jacobians import direct_jacobian
+from parflex.export.export import robot_of as exported
+from parflex.kernels.jacobians import direct_jacobian
 
 SAME = 1e-12
 NEARLY = 1e-11  # where a payload hides what counts as round-off in the bare body; of 27 rows of rank 24
@@ -214,7 +214,7 @@ def counted(model, monkeypatch):
     monkeypatch.setattr(
         backend, "compile", lambda kernel: done.append(kernel.name) or compile_one(kernel), raising=False
     )
-    monkeypatch.setattr("parflex.model.choose", lambda name: backend)
+    monkeypatch.setattr("parflex.model.model.choose", lambda name: backend)
     return pf.Model(model.robot, parameters=["gravity", PAYLOAD]), done
 
 
@@ -269,7 +269,7 @@ def test_simulation_with_other_numbers(model, monkeypatch):
     push = {"wrenches": [pf.Wrench(0, (10.0, 20.0, 30.0))], "max_step": 0.01}
     two = pf.simulate(expected, 1.1 * forces, state, t, **push).dataset
     if model.backend.name == "native":
-        monkeypatch.delattr("parflex.simulation.SciPySteps")  # it does not return to Python
+        monkeypatch.delattr("parflex.simulation.simulate.SciPySteps")  # it does not return to Python
     one = pf.simulate(moon, 1.1 * forces, state, t, **push).dataset
     for name in two.data_vars:
         if two[name].dtype.kind == "f":

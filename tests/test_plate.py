@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex.fe.plate import unknowns
-from parflex.platform import body_energies
+from parflex.fe.plate.plate import unknowns
+from parflex.mechanics.platform import body_energies
 from parflex.robots.gough_stewart import PLATE, TABLE_2, corners
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,

@@ -5,9 +5,9 @@ import pytest
 
 import parflex as pf
 from blocks import STEEL, box
-from parflex.fe.recovery import nodal_fields, recover, von_mises
-from parflex.fe.response import static_response
-from parflex.modes import Solid
+from parflex.fe.body.response import static_response
+from parflex.fe.solid.recovery import nodal_fields, recover, von_mises
+from parflex.robot.modes import Solid
 from parflex.robots.gough_stewart import corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, modes, plate
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex.report import report_of
-from parflex.report.checks import ALL_CHECKS, checks_of
+from parflex.views.report import report_of
+from parflex.views.report.checks import ALL_CHECKS, checks_of
 
 
 @pytest.fixture(scope="module")

@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from conftest import relative
-from parflex.files.body_file import FIELDS, MOMENTS, save_body
-from parflex.files.json_schema import ALL_SCHEMAS
+from parflex.app.json_schema import ALL_SCHEMAS
+from parflex.app.templates import write_templates
+from parflex.fe.modal_file import FIELDS, MOMENTS, save_body
 from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
-from parflex.files.templates import write_templates
 from parflex.robots.gough_stewart import links
 
 GOOD = """\

@@ -14,11 +14,11 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from conftest import relative
-from parflex.compiled import kernels
-from parflex.progress import Progress
-from parflex.singular import Watch
-from parflex.spatial import quaternion_rate
-from parflex.state import Layout, coordinates, pack
+from parflex.analysis.singularities import Watch
+from parflex.base.progress import Progress
+from parflex.base.spatial import quaternion_rate
+from parflex.kernels import models as kernels
+from parflex.robot.layout import Layout, coordinates, pack
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
 TIMES = np.linspace(0, 0.2, 21)

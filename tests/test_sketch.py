@@ -3,8 +3,8 @@
 import numpy as np
 
 from conftest import random_states, relative
-from parflex import plot
-from parflex.sketch import sketch
+from parflex.views import plot
+from parflex.views.sketch import sketch
 
 
 def test_lines_are_as_long_as_the_legs(model_of):

@@ -10,8 +10,8 @@ from skfem.quadrature import get_quadrature
 
 import parflex as pf
 from blocks import STEEL, box, two_blocks
-from parflex.fe.mesh import EDGES, with_middles
-from parflex.fe.tetrahedron import at, jacobians
+from parflex.fe.solid.mesh import EDGES, with_middles
+from parflex.fe.solid.tetrahedron import at, jacobians
 
 SOUND = np.sqrt(STEEL.lame[1] / STEEL.density)  # of shear waves, m/s
 

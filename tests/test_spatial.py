@@ -5,7 +5,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from conftest import relative
-from parflex.spatial import off_orthonormal, quaternion_from_rotation
+from parflex.base.spatial import off_orthonormal, quaternion_from_rotation
 
 ROUND_OFF = 1e-15
 HALF_TURNS = np.pi * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0.8, 0], [0, -0.6, 0.8]])

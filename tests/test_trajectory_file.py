@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from conftest import relative
-from parflex.files.trajectory_file import controller_of, read_plan, start_of, trajectory_of
+from parflex.app.trajectory_file import controller_of, read_plan, start_of, trajectory_of
 
 GOOD = """\
 format = "parflex-trajectory-1"

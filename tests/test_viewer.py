@@ -8,14 +8,14 @@ import xarray as xr
 
 import parflex as pf
 import solid_plates
-from parflex.plot import over_time
 from parflex.robots import ALL_ROBOTS
-from parflex.viewer.layout import LAYOUT
-from parflex.viewer.opening import NEEDED, WORDS, judged
-from parflex.viewer.page import packed, page_of
-from parflex.viewer.parts import Legs, legs_of, parts_of, shares
-from parflex.viewer.scene import MOST_INSTANTS, scene_of
-from parflex.viewer.solids import ball, cone, cylinder, drum
+from parflex.views.plot import over_time
+from parflex.views.viewer.layout import LAYOUT
+from parflex.views.viewer.opening import NEEDED, WORDS, judged
+from parflex.views.viewer.page import packed, page_of
+from parflex.views.viewer.parts import Legs, legs_of, parts_of, shares
+from parflex.views.viewer.scene import MOST_INSTANTS, scene_of
+from parflex.views.viewer.solids import ball, cone, cylinder, drum
 
 
 def short_run(robot: pf.Robot) -> pf.Result:
@@ -116,7 +116,7 @@ def stressed(bending, tmp_path_factory):
 
 def test_von_mises_stress_is_that_of_the_recovery(bending, stressed):
     """From six components of each mode, against the tensors of the recovery at every instant."""
-    from parflex.viewer.stress import with_stress
+    from parflex.views.viewer.stress import with_stress
 
     data, modes = bending
     scene = scene_of(judged(with_stress(data, stressed / "modes.nc")))

@@ -9,7 +9,7 @@ import parflex as pf
 from benchmarks.report import Section, race
 from benchmarks.rows import direct_rows
 from benchmarks.timing import Time, alternate
-from parflex.compiled.native import widest
+from parflex.compiled.native.native import widest
 
 STATES = 4096
 

@@ -10,7 +10,7 @@ import numpy as np
 
 from benchmarks import ROOT
 from benchmarks.report import Section
-from parflex.compiled.cache import VARIABLE
+from parflex.base.cache import VARIABLE
 
 RUNS = 5
 

@@ -7,10 +7,11 @@ import numpy as np
 import parflex as pf
 from benchmarks.report import Section, micro
 from benchmarks.timing import alternate
-from parflex.compiled import jacobians, kernels
 from parflex.compiled.backend import Function
-from parflex.compiled.loops import program
-from parflex.output import FrameOutput
+from parflex.compiled.native.loops import program
+from parflex.kernels import jacobians
+from parflex.kernels import models as kernels
+from parflex.mechanics.output import FrameOutput
 
 MODES = (0, 10, 40)
 

@@ -9,7 +9,7 @@ import numpy as np
 
 import parflex as pf
 from benchmarks.report import Section
-from parflex.compiled.cache import VARIABLE
+from parflex.base.cache import VARIABLE
 
 DESIGNS = 10_000
 ALONE = 3  # designs that are given models of their own

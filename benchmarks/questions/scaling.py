@@ -6,10 +6,10 @@ from benchmarks.peak import Peak
 from benchmarks.report import Section, micro
 from benchmarks.rows import direct_rows
 from benchmarks.timing import alternate
-from parflex.compiled import kernels
-from parflex.compiled.loops import program
-from parflex.compiled.native import widest
-from parflex.robot import Robot
+from parflex.compiled.native.loops import program
+from parflex.compiled.native.native import widest
+from parflex.kernels import models as kernels
+from parflex.robot.robot import Robot
 from parflex.robots.delta import delta
 
 ROWS = 1024

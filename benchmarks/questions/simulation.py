@@ -17,7 +17,7 @@ from benchmarks import robots
 from benchmarks.report import Section
 from benchmarks.rivals.exudyn import Exudyn
 from benchmarks.timing import alternate
-from parflex import paper
+from parflex.app import paper
 from sample import Sample
 
 WANTED = 1e-6

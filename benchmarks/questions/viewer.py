@@ -8,7 +8,7 @@ from statistics import median
 
 import parflex as pf
 from benchmarks.report import Section
-from parflex import paper
+from parflex.app import paper
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 ARGUMENTS = ["--no-sandbox", "--enable-unsafe-swiftshader"]

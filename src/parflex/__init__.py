@@ -9,53 +9,55 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from parflex.errors import DynamicSingularity, InputError, NotConverged, OutOfReach, SingularPose
+from parflex.base.errors import DynamicSingularity, InputError, NotConverged, OutOfReach, SingularPose
+from parflex.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from parflex import fe, robots
-    from parflex.body import FlexibleBody
-    from parflex.compiled.c.export import export_c
-    from parflex.control import ComputedTorque, Controller, JointPD
+    from parflex.export.export import export_c
     from parflex.files.robot_file import load_robot
-    from parflex.legs import Joint, Leg, Tip
-    from parflex.model import Model
-    from parflex.modes import Modes, Moments
-    from parflex.output import FrameOutput, PointOutput
-    from parflex.result import Result, load_result
-    from parflex.robot import Robot
-    from parflex.simulation import simulate
-    from parflex.state import State, Wrench
-    from parflex.trajectory import Trajectory
-    from parflex.viewer import View, view
+    from parflex.mechanics.output import FrameOutput, PointOutput
+    from parflex.model.model import Model
+    from parflex.robot.body import FlexibleBody
+    from parflex.robot.leg import Joint, Leg, Tip
+    from parflex.robot.modes import Modes
+    from parflex.robot.moments import Moments
+    from parflex.robot.robot import Robot
+    from parflex.robot.state import State
+    from parflex.robot.wrench import Wrench
+    from parflex.simulation.control import ComputedTorque, Controller, JointPD
+    from parflex.simulation.result import Result, load_result
+    from parflex.simulation.simulate import simulate
+    from parflex.simulation.trajectory import Trajectory
+    from parflex.views.viewer import View, view
 
-__version__ = "0.1.0"
 
 _HOME = {  # loaded at first use, so that `import parflex` is quick
-    "ComputedTorque": "control",
-    "Controller": "control",
-    "FlexibleBody": "body",
-    "FrameOutput": "output",
-    "Joint": "legs",
-    "JointPD": "control",
-    "Leg": "legs",
-    "Model": "model",
-    "Modes": "modes",
-    "Moments": "modes",
-    "PointOutput": "output",
-    "Result": "result",
-    "Robot": "robot",
-    "State": "state",
-    "Tip": "legs",
-    "Trajectory": "trajectory",
-    "View": "viewer",
-    "Wrench": "state",
-    "export_c": "compiled.c.export",
-    "load_result": "result",
+    "ComputedTorque": "simulation.control",
+    "Controller": "simulation.control",
+    "FlexibleBody": "robot.body",
+    "FrameOutput": "mechanics.output",
+    "Joint": "robot.leg",
+    "JointPD": "simulation.control",
+    "Leg": "robot.leg",
+    "Model": "model.model",
+    "Modes": "robot.modes",
+    "Moments": "robot.moments",
+    "PointOutput": "mechanics.output",
+    "Result": "simulation.result",
+    "Robot": "robot.robot",
+    "State": "robot.state",
+    "Tip": "robot.leg",
+    "Trajectory": "simulation.trajectory",
+    "View": "views.viewer",
+    "Wrench": "robot.wrench",
+    "export_c": "export.export",
+    "load_result": "simulation.result",
     "load_robot": "files.robot_file",
-    "simulate": "simulation",
-    "view": "viewer",
+    "simulate": "simulation.simulate",
+    "view": "views.viewer",
 }
-_MODULES = ("fe", "robots", "plot")
+_MODULES = {"fe": "fe", "robots": "robots", "plot": "views.plot"}
 
 __all__ = [
     "ComputedTorque",
@@ -93,7 +95,7 @@ __all__ = [
 
 def __getattr__(name: str) -> Any:
     if name in _MODULES:
-        found = import_module(f"parflex.{name}")
+        found = import_module(f"parflex.{_MODULES[name]}")
     elif name in _HOME:
         found = getattr(import_module(f"parflex.{_HOME[name]}"), name)
     else:

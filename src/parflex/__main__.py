@@ -1,5 +1,5 @@
 """`python -m parflex`."""
 
-from parflex.cli import run
+from parflex.app.cli import run
 
 run()

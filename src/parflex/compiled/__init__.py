@@ -2,8 +2,8 @@
 
 from collections.abc import Callable
 
+from parflex.base.errors import InputError
 from parflex.compiled.backend import Backend
-from parflex.errors import InputError
 
 
 def _numpy() -> Backend:
@@ -19,7 +19,7 @@ def _vm() -> Backend:
 
 
 def _native() -> Backend:
-    from parflex.compiled.native import NativeBackend
+    from parflex.compiled.native.native import NativeBackend
 
     return NativeBackend()
 

@@ -7,8 +7,8 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.compiled.kernels import Kernel
+from parflex.base.array import Array
+from parflex.kernels.kernel import Kernel
 
 Trigger = Callable[[], None]
 Workspace = tuple[list[Array], list[Array], Trigger]

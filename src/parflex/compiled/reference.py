@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from parflex.array import Array
+from parflex.base.array import Array
 from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
-from parflex.compiled.kernels import Kernel
+from parflex.kernels.kernel import Kernel
 
 
 class NumpyFunction(Function):

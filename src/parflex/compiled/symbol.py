@@ -5,7 +5,7 @@ from typing import Union
 import casadi
 import numpy as np
 
-from parflex.array import Array
+from parflex.base.array import Array
 
 OP_ADD, OP_SUB, OP_MUL, OP_DIV = casadi.OP_ADD, casadi.OP_SUB, casadi.OP_MUL, casadi.OP_DIV
 OP_NEG, OP_SQRT, OP_COS, OP_SIN = casadi.OP_NEG, casadi.OP_SQRT, casadi.OP_COS, casadi.OP_SIN

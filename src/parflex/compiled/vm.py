@@ -5,12 +5,11 @@ from collections.abc import Sequence
 import casadi
 import numpy as np
 
-from parflex.array import Array
+from parflex.base.array import Array
+from parflex.base.errors import NO_INERTIA, SingularPose
 from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
-from parflex.compiled.kernels import Kernel
 from parflex.compiled.symbol import symbols, vector
-from parflex.errors import SingularPose
-from parflex.singular import NO_INERTIA
+from parflex.kernels.kernel import Kernel
 
 
 def trace(kernel: Kernel) -> casadi.Function:

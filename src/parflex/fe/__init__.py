@@ -1,25 +1,25 @@
 """Finite elements: where platforms get their modes."""
 
-from parflex.fe.accuracy import BasisError, with_mesh_error
-from parflex.fe.attach import attached
-from parflex.fe.basis import Basis, FreeFree, FreeFreeWithAttachment
-from parflex.fe.calculix import calculix_body, read_calculix
-from parflex.fe.free_body import FreeBody
-from parflex.fe.importers import IMPORTERS, import_modes
-from parflex.fe.material import Material
-from parflex.fe.matrices import read_matrices
-from parflex.fe.mesh import SolidMesh, solid_mesh
-from parflex.fe.mesh_file import read_mesh
-from parflex.fe.modal_arrays import read_arrays
-from parflex.fe.nastran import read_nastran
-from parflex.fe.netgen_mesh import Rib, Step, outline_mesh, step_mesh
-from parflex.fe.nodal import body_of_matrices
-from parflex.fe.plate import plate_body, plate_modes
-from parflex.fe.recovery import Fields, recover
-from parflex.fe.solid import solid_body
-from parflex.fe.sources import mesh_from, modes
-from parflex.fe.vtk_file import write_fields
-from parflex.files.body_file import read_modes, write_modes
+from parflex.fe.body.accuracy import BasisError, with_mesh_error
+from parflex.fe.body.attach import attached
+from parflex.fe.body.basis import Basis, FreeFree, FreeFreeWithAttachment
+from parflex.fe.body.free_body import FreeBody
+from parflex.fe.body.material import Material
+from parflex.fe.body.nodal import body_of_matrices
+from parflex.fe.imports.calculix.calculix import calculix_body, read_calculix
+from parflex.fe.imports.importers import IMPORTERS, import_modes
+from parflex.fe.imports.matrices import read_matrices
+from parflex.fe.imports.modal_arrays import read_arrays
+from parflex.fe.imports.nastran.nastran import read_nastran
+from parflex.fe.imports.sources import mesh_from, modes
+from parflex.fe.modal_file import read_modes, write_modes
+from parflex.fe.plate.plate import plate_body, plate_modes
+from parflex.fe.solid.mesh import SolidMesh, solid_mesh
+from parflex.fe.solid.mesh_file import read_mesh
+from parflex.fe.solid.netgen_mesh import Rib, Step, outline_mesh, step_mesh
+from parflex.fe.solid.recovery import Fields, recover
+from parflex.fe.solid.solid import solid_body
+from parflex.fe.solid.vtk_file import write_fields
 
 __all__ = [
     "IMPORTERS",

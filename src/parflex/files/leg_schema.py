@@ -4,7 +4,7 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, WithJsonSchema, model_validator
 
-from parflex.errors import InputError
+from parflex.base.errors import InputError
 from parflex.files import quantity
 from parflex.files.tables import (
     ZEROS,

@@ -7,13 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.errors import InputError
+from parflex.base.array import Array
+from parflex.base.errors import InputError
 from parflex.files.leg_schema import AnyJoint, ChainTable, LegTable, TipTable
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
 from parflex.files.tables import inertia_matrix, rotation_matrix
-from parflex.legs import Joint, Leg, Tip
+from parflex.robot.leg import Joint, Leg, Tip
 
 # fields of a joint that are plain numbers: in the file, in the table of Sec. 3
 NUMBERS = {

@@ -6,12 +6,12 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import outer
-from parflex.body import FlexibleBody
-from parflex.errors import InputError
-from parflex.files.body_file import load_body
+from parflex.base.array import outer
+from parflex.base.errors import InputError
+from parflex.fe.modal_file import load_body
 from parflex.files.robot_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import inertia_matrix
+from parflex.robot.body import FlexibleBody
 
 WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
-from parflex.errors import InputError
+from parflex.base.errors import InputError
 
 WITH_UNIT = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1\s*/|[^\d\s]).*?)\s*")
 

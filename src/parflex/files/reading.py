@@ -9,8 +9,8 @@ from typing import ParamSpec, TypeVar
 
 from pydantic import ValidationError
 
-from parflex.errors import InputError
-from parflex.files.absent import absent
+from parflex.base.absent import absent
+from parflex.base.errors import InputError
 from parflex.files.lines import Where, line_of, reached
 from parflex.files.sentences import field_name, sentences
 from parflex.files.tables import Table

@@ -6,15 +6,15 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.array import Array
+from parflex.base.array import Array
 from parflex.files.leg_tables import chain, leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
 from parflex.files.robot_schema import HomeTable, RobotTable
 from parflex.files.standing import check_mobility, check_posture, joints_at_home
 from parflex.files.tables import rotation_matrix
-from parflex.robot import Robot
-from parflex.state import State
+from parflex.robot.robot import Robot
+from parflex.robot.state import State
 
 
 class RobotFile(NamedTuple):

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from parflex.errors import InputError
+from parflex.base.errors import InputError
 from parflex.files import quantity
 from parflex.files.leg_schema import ChainTable, LegTable
 from parflex.files.tables import (

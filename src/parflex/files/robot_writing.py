@@ -9,15 +9,15 @@ from typing import Any
 import numpy as np
 import tomli_w
 
-from parflex.body import FlexibleBody
-from parflex.files.body_file import save_body
+from parflex.base.writing import replacing
+from parflex.fe.modal_file import save_body
 from parflex.files.leg_schema import Prismatic, Revolute
 from parflex.files.leg_tables import NUMBERS
 from parflex.files.platform_tables import rigid_table
 from parflex.files.robot_schema import FORMAT
-from parflex.files.writing import replacing
-from parflex.legs import Joint, Leg
-from parflex.robot import Robot
+from parflex.robot.body import FlexibleBody
+from parflex.robot.leg import Joint, Leg
+from parflex.robot.robot import Robot
 
 ALL_TYPES = {table.sigma: table for table in (Revolute, Prismatic)}
 # arrays without strings and tables, which fit on a line

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.branches import turned
-from parflex.errors import InputError
-from parflex.legs import Leg
-from parflex.model import Model
-from parflex.robot import Robot
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.mechanics.branches import turned
+from parflex.model.model import Model
+from parflex.robot.leg import Leg
+from parflex.robot.robot import Robot
 
 FAR = 1.0  # rad, between a joint at home and in the posture that names its branch
 

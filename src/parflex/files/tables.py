@@ -8,8 +8,8 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 from pydantic_core import core_schema
 
-from parflex.array import Array, without_roundoff
-from parflex.errors import InputError
+from parflex.base.array import Array, without_roundoff
+from parflex.base.errors import InputError
 from parflex.files import quantity
 from parflex.files.quantity import Kind, convert
 

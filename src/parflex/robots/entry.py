@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import NamedTuple
 
-from parflex.robot import Robot
+from parflex.robot.robot import Robot
 
 Moves = tuple[tuple[tuple[float, float, float], tuple[float, float, float]], ...]
 

@@ -5,16 +5,16 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.body import FlexibleBody
-from parflex.check import integer
-from parflex.errors import InputError
-from parflex.legs import Joint, Leg, Tip
-from parflex.modes import Modes
-from parflex.robot import Robot
+from parflex.base.array import Array
+from parflex.base.check import integer
+from parflex.base.errors import InputError
+from parflex.base.spatial import rotation_about_z
+from parflex.robot.body import FlexibleBody
+from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.modes import Modes
+from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.rings import ring
-from parflex.spatial import rotation_about_z
 
 # Table 1: sigma, mu, alpha (rad) of joints 1, 2, 3; b = theta = r = 0 and gamma = d = 0 but for
 # joint 1, whose gamma_i and d_i place Σ0i and are derived from Table 4 in `base_frames`.

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import Array
+from parflex.base.array import Array
 
 Link = dict[str, Any]  # M kg, MS (3,) kg m, I (3, 3) kg m², in the axes of the link frame
 

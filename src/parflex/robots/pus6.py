@@ -4,15 +4,15 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.body import FlexibleBody
-from parflex.legs import Joint, Leg, Tip
-from parflex.robot import Robot
+from parflex.base.array import Array
+from parflex.base.spatial import rotation_about_z
+from parflex.robot.body import FlexibleBody
+from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import box, tube
 from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import plate, ring
-from parflex.spatial import rotation_about_z
 
 SOURCE = "topology: Hexaglide, Honegger, Codourey and Burdet 1997; parameters our own"
 

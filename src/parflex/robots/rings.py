@@ -5,9 +5,9 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.body import FlexibleBody
-from parflex.spatial import rotation_about_z
+from parflex.base.array import Array
+from parflex.base.spatial import rotation_about_z
+from parflex.robot.body import FlexibleBody
 
 THIRDS = (0, 120, 240)  # degrees
 

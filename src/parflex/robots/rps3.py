@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from parflex.array import Array
-from parflex.body import FlexibleBody
-from parflex.legs import Joint, Leg, Tip
-from parflex.robot import Robot
+from parflex.base.array import Array
+from parflex.robot.body import FlexibleBody
+from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import tube
 from parflex.robots.materials import STEEL

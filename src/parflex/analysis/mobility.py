@@ -1,0 +1,145 @@
+"""Mobility: freedoms, redundant constraints, singularities of both kinds and their directions."""
+
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.mechanics.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, size_of, units
+from parflex.mechanics.system import assembled
+from parflex.robot.robot import Robot
+
+RANK = (
+    1e-6  # of matrices with entries of order 1; near a serial singularity joints go with the root of a pose
+)
+HAIR = 1e-14  # of the platform's size: what round-off may put a pose beyond reach
+
+
+@dataclass(frozen=True)
+class Mobility:
+    """What the closure leaves free at a state, the platform's modes aside.
+
+    Twists are (v, ω) in Σp, m/s and rad/s, wrenches (f, n) in Σp, N and N m, with unit largest
+    component in the scale of the platform.
+    """
+
+    freedoms: int  # of the platform
+    internal: int  # further motions, of legs alone, that no actuator holds
+    actuators: int
+    rows: int  # closure equations, 3 per tip
+    rank: int  # independent ones, modes included
+    not_unique: tuple[int, ...]  # attachments whose contact force is not unique
+    parallel: Array  # (k, 6) twists that locked actuators leave free
+    serial: Array  # (k, m) actuator rates that leave the platform still
+    locked: Array  # (c, 6) wrenches that the legs carry without their actuators
+
+    @property
+    def redundant(self) -> int:
+        """Closure equations that follow from the others."""
+        return self.rows - self.rank
+
+    def __str__(self) -> str:
+        """A paragraph to read."""
+        words = [f"The platform has {self.freedoms} freedoms, driven by {self.actuators} actuators."]
+        if self.internal:
+            words.append(f"The legs have {self.internal} motions of their own that leave it still.")
+        words.append(f"Of {self.rows} closure equations {self.rank} are independent.")
+        if self.not_unique:
+            held = ", ".join(map(str, self.not_unique))
+            words.append(f"The contact forces at attachments {held} are not unique; the shortest are given.")
+        for twist in self.parallel:
+            words.append(f"Parallel singularity: locked actuators leave the twist {show(twist)} free.")
+        for rates in self.serial:
+            words.append(f"Serial singularity: actuator rates {show(rates)} leave the platform still.")
+        if len(self.serial):
+            words += [f"The legs lock it against {show(wrench)}." for wrench in self.locked]
+        return " ".join(words)
+
+
+class Motions(NamedTuple):
+    """All motions of a robot whose platform does not bend: columns, in the robot's scale."""
+
+    platform: Array  # (6, d), angular rows in metres
+    actuated: Array  # (m, d)
+
+
+def mobility(robot: Robot, x: Array) -> Mobility:
+    """The mobility at one flat state."""
+    lengths = np.repeat([1.0, size_of(robot)], 3)
+    G = scaled_closure(robot, x)
+    Z_p, Z_a = motions(robot, G)
+    still, locked = null_space(Z_p), null_space(Z_a)
+    independent = rank(G)
+    clash = null_space(G.T).reshape(len(robot.tip_attachments), 3, len(G) - independent)
+    pressed = robot.tip_attachments[np.linalg.norm(clash, axis=(1, 2)) > 1e-6]
+    return Mobility(
+        freedoms=rank(Z_p),
+        internal=null_space(np.vstack([Z_p, Z_a])).shape[1],
+        actuators=robot.n_forces,
+        rows=len(G),
+        rank=independent,
+        not_unique=tuple(sorted(int(a) for a in pressed)),
+        parallel=unit(span(Z_p @ locked)) / lengths,
+        serial=unit(span(Z_a @ still)),
+        locked=unit(null_space(Z_p.T).T) * lengths,
+    )
+
+
+def reached(robot: Robot, x: Array) -> Array:
+    """The flat state; where only round-off puts it beyond a leg's reach, one a hair away, within."""
+    steps = HAIR * size_of(robot) * np.diag(units(robot, POSE))
+    near = displaced(
+        robot, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])
+    )
+    with np.errstate(invalid="ignore", divide="ignore"):
+        G = closure_matrix(assembled(robot, near))
+    within = np.all(np.isfinite(G), axis=(-2, -1))
+    return x if within[0] or not np.any(within) else near[np.argmax(within)]
+
+
+def scaled_closure(robot: Robot, x: Array) -> Array:
+    """[−Wᵀ J] (3k, 6 + N + n) at a flat state, its columns in the robot's scale."""
+    return closure_matrix(assembled(robot, x)) * units(robot, ALL)
+
+
+def motions(robot: Robot, G: Array) -> Motions:
+    """What a scaled closure allows while the platform does not bend."""
+    bend = np.s_[6 : 6 + robot.platform.modes]
+    Z = null_space(np.delete(G, bend, axis=1))
+    S = actuated_rows(robot) * units(robot, ALL)
+    return Motions(Z[:6], np.delete(S, bend, axis=1) @ Z)
+
+
+def freed_twist(robot: Robot, x: Array) -> Array:
+    """The twist (6,), largest entry 1, that locked actuators hold least."""
+    Z_p, Z_a = motions(robot, scaled_closure(robot, x))
+    weakest = Z_p @ np.linalg.svd(Z_a)[2][-1]
+    twist = weakest / np.repeat([1.0, size_of(robot)], 3)
+    return twist / np.max(np.abs(twist))
+
+
+def null_space(a: Array) -> Array:
+    """An orthonormal basis (n, d) of what a (r, n) takes to zero."""
+    return np.linalg.svd(a)[2][rank(a) :].T
+
+
+def span(a: Array) -> Array:
+    """An orthonormal basis (d, r) of the columns of a (r, n), by rows."""
+    return np.linalg.svd(a)[0].T[: rank(a)]
+
+
+def rank(a: Array) -> int:
+    """The number of singular values that are not round-off, of matrices with entries of order 1."""
+    return int(np.sum(np.linalg.svd(a, compute_uv=False) > RANK))
+
+
+def unit(rows: Array) -> Array:
+    """Rows with largest entry 1."""
+    which = np.argmax(np.abs(rows), axis=-1, keepdims=True) if rows.size else np.zeros((0, 1), dtype=int)
+    return rows / np.take_along_axis(rows, which, axis=-1)
+
+
+def show(vector: Array) -> str:
+    """A vector in few digits."""
+    return np.array2string(vector + 0.0, precision=3, suppress_small=True)

@@ -1,0 +1,18 @@
+"""JSON schemas of the file formats, for editors that complete and check while one types."""
+
+import json
+from collections.abc import Callable
+from typing import Any
+
+from parflex.app.trajectory_schema import TrajectoryTable
+from parflex.files.robot_schema import RobotTable
+
+ALL_SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
+    "robot": RobotTable.model_json_schema,
+    "trajectory": TrajectoryTable.model_json_schema,
+}
+
+
+def schema_text(name: str) -> str:
+    """The schema of a format, as its file has it."""
+    return json.dumps(ALL_SCHEMAS[name](), indent=1, ensure_ascii=False) + "\n"

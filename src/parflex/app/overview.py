@@ -1,0 +1,99 @@
+"""What was understood of a robot, as words for a table."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.robot.leg import Joint
+from parflex.robot.robot import Robot
+
+if TYPE_CHECKING:
+    from parflex.files.robot_file import RobotFile
+    from parflex.model.model import Model
+
+LEG_HEADS = ("leg", "chain", "joints", "inverse geometry", "base (m)", "holds attachments", "mass (kg)")
+JOINT_HEADS = ("leg", "joint values at home", "limits")
+
+Rows = list[tuple[str, ...]]
+
+
+def leg_rows(file: "RobotFile") -> Rows:
+    """The legs: chain, joints with a star where there is a motor, leg type, place, attachments, mass."""
+    kinds = {number: group.type.name for group in file.robot.groups for number in group.legs}
+    rows: Rows = []
+    for number, (leg, chain) in enumerate(zip(file.robot.legs, file.chains, strict=True)):
+        held = ", ".join(str(tip.attachment) for tip in leg.tips)
+        mass = sum(joint.M for joint in leg.joints)
+        rows.append(
+            (str(number + 1), chain, leg.word, kinds[number], vector(leg.origin), held, f"{mass:.4g}")
+        )
+    return rows
+
+
+def joint_rows(model: "Model") -> Rows:
+    """The joints' values at home, and which of them are outside their limits.
+
+    Raises OutOfReach and SingularPose where the home pose has none.
+    """
+    found = model.legs(model.robot.home).q
+    rows: Rows = []
+    for number, (leg, q) in enumerate(zip(model.robot.legs, found, strict=True)):
+        values = ", ".join(shown(joint, value) for joint, value in zip(leg.joints, q, strict=True))
+        beyond = [
+            f"joint {j} at {shown(joint, value)} is beyond {shown(joint, joint.q_min)} … "
+            f"{shown(joint, joint.q_max)}"
+            for j, (joint, value) in enumerate(zip(leg.joints, q, strict=True), start=1)
+            if not joint.q_min <= value <= joint.q_max
+        ]
+        rows.append((str(number + 1), values, "; ".join(beyond) or "kept"))
+    return rows
+
+
+def facts(robot: Robot) -> list[str]:
+    """Platform, home pose and gravity, a line each."""
+    body, (position, rotation) = robot.platform, robot.home_pose
+    mass, com = body.moments.m, body.moments.MS0 / body.moments.m
+    turned = np.degrees(rotation_vector(np.asarray(rotation)))
+    return [
+        f"platform: {mass:.4g} kg, centre of mass {vector(com)} m, {len(body.attachments)} attachments",
+        f"modes: {frequencies(robot)}",
+        f"home: {vector(position)} m, turned by {vector(turned)} deg; gravity {vector(robot.gravity)} m/s²",
+        f"motors: {robot.n_forces}",
+    ]
+
+
+def frequencies(robot: Robot) -> str:
+    """The platform's natural frequencies and damping ratios, in a line."""
+    body = robot.platform
+    if not body.modes:
+        return "none, the platform is rigid"
+    m = np.diagonal(body.m_ee)
+    omega = np.sqrt(body.stiffness / m)
+    zeta = body.damping / (2 * omega * m)
+    return f"{body.modes}, {' '.join(f'{each:.4g}' for each in omega)} rad/s, damping {span(zeta)}"
+
+
+def span(values: Array) -> str:
+    """One value, or the lowest and the highest."""
+    low, high = f"{values.min():.3g}", f"{values.max():.3g}"
+    return low if low == high else f"{low} … {high}"
+
+
+def shown(joint: Joint, value: float) -> str:
+    """A joint value in degrees, or in metres."""
+    number, unit = (value, "m") if joint.sigma else (np.degrees(value), "deg")
+    return f"{round(float(number), 9) + 0.0:.4g} {unit}"
+
+
+def vector(values: ArrayLike) -> str:
+    """(x, y, z), without round-off."""
+    return "(" + ", ".join(f"{round(float(value), 9) + 0.0:.4g}" for value in np.asarray(values)) + ")"
+
+
+def rotation_vector(matrix: Array) -> Array:
+    """The rotation vector (3,) rad of a matrix."""
+    from scipy.spatial.transform import Rotation
+
+    return np.asarray(Rotation.from_matrix(matrix).as_rotvec())

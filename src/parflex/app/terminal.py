@@ -1,0 +1,39 @@
+"""What the commands share: the console, options, and checks before any work."""
+
+import tempfile
+import time
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from rich.console import Console
+
+from parflex.base.errors import InputError
+
+console = Console()
+complaints = Console(stderr=True, highlight=False)
+
+Out = Annotated[Path, typer.Option(help="Folder for results and pictures; made if it is not there.")]
+ImageFormat = Annotated[str, typer.Option("--format", help="Kind of pictures: png, pdf or svg.")]
+Backend = Annotated[str, typer.Option(help='"auto", "vm" or "numpy".')]
+
+
+def step(start: float, words: str) -> None:
+    """One line of what is being done, with the time since the start."""
+    console.print(f"[dim]{time.perf_counter() - start:5.1f} s[/] {words}")
+
+
+def check_format(image: str) -> None:
+    """Only what every matplotlib can write."""
+    if image not in ("png", "pdf", "svg"):
+        raise InputError(f"--format is {image!r}; choose png, pdf or svg")
+
+
+def check_writable(folder: Path) -> None:
+    """Make the folder and try a file in it, before any work."""
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            pass
+    except OSError as error:
+        raise InputError(f"--out {folder} cannot be written to: {error.strerror or error}") from None

@@ -1,0 +1,121 @@
+"""Checks at the door: what came, what was expected, what to do."""
+
+import math
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.base.spatial import off_orthonormal
+
+ORTHONORMAL = 1e-9  # RᵀR − 1 of what is still a rotation
+
+
+def scalar(name: str, value: Any) -> float:
+    """One finite number."""
+    return float(finite(name, value, ()))
+
+
+def positive(name: str, value: Any) -> float:
+    """One finite number above zero."""
+    number = scalar(name, value)
+    if number <= 0:
+        raise InputError(f"{name} is {number}; it must be positive")
+    return number
+
+
+def integer(name: str, value: Any, lowest: int = 0) -> int:
+    """One whole number, not below `lowest`."""
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < lowest:
+        raise InputError(f"{name} is {value!r}; it must be a whole number, {lowest} or more")
+    return int(value)
+
+
+def of_type(name: str, value: Any, kind: type, article: str = "a") -> None:
+    """An object of parflex's own."""
+    if not isinstance(value, kind):
+        raise InputError(f"{name} is {type(value).__name__}; expected {article} {kind.__name__}")
+
+
+def all_of_type(name: str, values: Any, kind: type) -> tuple[Any, ...]:
+    """A sequence of parflex's own objects, as a tuple."""
+    if isinstance(values, kind) or not isinstance(values, (list, tuple)):
+        raise InputError(f"{name} is {type(values).__name__}; give a list or tuple of {kind.__name__}")
+    for number, value in enumerate(values):
+        of_type(f"{name}[{number}]", value, kind)
+    return tuple(values)
+
+
+def finite(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = None) -> Array:
+    """A float array whose trailing axes have `shape` (None: any length); exact shape for ()."""
+    try:
+        array = np.array(value)
+        if array.dtype.kind not in "biuf":
+            raise TypeError(f"values of type {array.dtype}")
+        array = array.astype(float, copy=False)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"{name} is not an array of numbers: {error}") from None
+    if shape is not None and not fits(array.shape, shape):
+        wanted = ", ".join("n" if n is None else str(n) for n in shape)
+        raise InputError(f"{name} has shape {array.shape}; expected ({wanted})")
+    if not math.isfinite(np.vdot(array, array)) and not np.all(np.isfinite(array)):
+        where = tuple(int(i) for i in np.argwhere(~np.isfinite(array))[0])
+        at = f" at index {where}" if where else ""
+        raise InputError(f"{name} is {array[where]}{at}; all values must be finite")
+    return array
+
+
+def fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
+    """Whether the last axes are as wanted (None: any length); all of them for ()."""
+    trailing = shape[len(shape) - len(wanted) :] if wanted else shape
+    return trailing == wanted or (
+        len(trailing) == len(wanted)
+        and all(want in (None, got) for want, got in zip(wanted, trailing, strict=True))
+    )
+
+
+def exactly(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
+    """As `finite`, without leading axes."""
+    array = finite(name, value, shape)
+    if array.ndim != len(shape):
+        wanted = ", ".join("n" if n is None else str(n) for n in shape)
+        raise InputError(f"{name} has shape {array.shape}; expected ({wanted})")
+    return array
+
+
+def rotation_matrix(name: str, value: ArrayLike) -> Array:
+    """Rotation matrices (…, 3, 3): orthonormal to 1e-9 and right-handed."""
+    R = finite(name, value, (3, 3))
+    if R.ndim == 2 and off_orthonormal(R) <= ORTHONORMAL:
+        return R
+    error = np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3)), axis=(-1, -2))
+    bad = (error > ORTHONORMAL) | (np.linalg.det(R) < 0)
+    if np.any(bad):
+        raise InputError(
+            f"{name}{index_of(bad)} is not a rotation (RᵀR differs from 1 by {np.max(error):.1e}, "
+            f"determinant {np.linalg.det(R)[bad][0]:.6f}); orthonormalise it, or build it with "
+            f"scipy.spatial.transform.Rotation"
+        )
+    return R
+
+
+def index_of(bad: Array) -> str:
+    """' at index (…)' of the first true entry of a batch; nothing for a single item."""
+    bad = np.asarray(bad)
+    if bad.ndim == 0:
+        return ""
+    first = tuple(int(i) for i in np.argwhere(bad)[0])
+    return f" at index {first[0] if len(first) == 1 else first}"
+
+
+def broadcast_together(**vectors: Array) -> None:
+    """The leading axes of vectors (…, n) must broadcast together."""
+    if all(v.ndim == 1 for v in vectors.values()):
+        return
+    try:
+        np.broadcast_shapes(*(v.shape[:-1] for v in vectors.values()))
+    except ValueError:
+        said = ", ".join(f"{v.shape[:-1]} of {name}" for name, v in vectors.items() if v.ndim > 1)
+        raise InputError(f"the leading (batch) axes are {said}; they must broadcast together") from None

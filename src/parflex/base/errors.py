@@ -1,0 +1,28 @@
+"""The errors parflex raises: each names the field, the value that came, and the remedy."""
+
+
+class InputError(ValueError):
+    """Something given to parflex is wrong; nothing was computed or written."""
+
+
+class OutOfReach(InputError):
+    """A pose that a leg cannot reach."""
+
+
+class SingularPose(InputError):
+    """A pose where the robot loses or gains a freedom, so that the wanted model does not exist."""
+
+
+class NotConverged(InputError):
+    """An iteration that did not reach its tolerance."""
+
+
+class DynamicSingularity(UserWarning):
+    """The pose lies beyond a dynamic singularity: the platform bends so much that it accelerates
+    against its actuators, and feedback of that output would be unstable."""
+
+
+NO_INERTIA = (
+    "some link or the platform has no inertia against one of its motions, so that no acceleration is "
+    "finite: give it mass, inertia or a rotor inertia IA"
+)

@@ -1,0 +1,20 @@
+"""Versions of what parflex stands on."""
+
+from importlib.metadata import PackageNotFoundError, version
+from platform import platform, python_version
+
+PACKAGES = (
+    *("numpy", "scipy", "casadi", "scikit-fem", "xarray", "h5netcdf", "matplotlib", "llvmlite"),
+    *("netgen-mesher", "meshio"),
+)
+
+
+def versions() -> dict[str, str]:
+    """Python, the platform, and the packages parflex stands on."""
+    found = {"python": python_version(), "platform": platform()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "not installed"
+    return found

@@ -1,0 +1,144 @@
+"""What every entry of the exported arrays is: rows (entries, words) for the header and the README."""
+
+from parflex.export.interface import tips
+from parflex.mechanics.output import Output, PointOutput
+from parflex.robot.leg import Joint
+from parflex.robot.robot import Robot
+
+Rows = list[tuple[str, str]]
+
+MACROS = {  # names of lengths, and the arrays that have them
+    "STATE": ("x", "xd", "projected"),
+    "FORCES": ("u", "preload"),
+    "LOADS": ("w",),
+    "TARGET": ("target",),
+    "TWIST": ("Vd",),
+    "MODES": ("qdd_e",),
+    "CONTACTS": ("f",),
+    "GAIN": ("gain",),
+    "POWERS": ("powers",),
+    "HEALTH": ("health",),
+}
+COMPONENTS = ("x", "y", "z", "about x", "about y", "about z")
+
+
+def state_parts(robot: Robot) -> dict[str, tuple[int, int]]:
+    """Where the parts of the state begin, and how long they are."""
+    N, n = robot.platform.modes, robot.layout.carried
+    counts = {"POSITION": 3, "QUATERNION": 4, "TWIST": 6, "ELASTIC": N, "ELASTIC_RATE": N}
+    counts |= {"JOINTS": n, "JOINT_RATES": n}
+    found, start = {}, 0
+    for name, count in counts.items():
+        found[name] = start, count
+        start += count
+    return found
+
+
+def state(robot: Robot) -> Rows:
+    """The entries of x."""
+    at = state_parts(robot)
+    modes, joints, rates = at["ELASTIC"], at["JOINTS"][0], at["JOINT_RATES"][0]
+    rows = [
+        span("x", 0, 3, "position of the platform's origin, in world axes, m"),
+        span("x", 3, 4, "quaternion w x y z that turns platform into world components, of any length but 0"),
+        span("x", 7, 3, "velocity of the platform's origin, m/s"),
+        span("x", 10, 3, "angular velocity of the platform, rad/s"),
+        span("x", *modes, "modal coordinates q_e of the platform, kg^1/2 m"),
+        span("x", *at["ELASTIC_RATE"], "their rates, kg^1/2 m/s"),
+    ]
+    for number, (leg, count) in enumerate(zip(robot.legs, robot.layout.joints, strict=True), start=1):
+        units = ", ".join(unit(joint, "rad", "m") for joint in leg.joints)
+        rows.append(span("x", joints, count, f"joints of leg {number}: {units}"))
+        rows.append(span("x", rates, count, f"their rates, joints of leg {number}"))
+        joints, rates = joints + count, rates + count
+    return [row for row in rows if row[0]]
+
+
+def actuators(robot: Robot) -> Rows:
+    """The entries of u."""
+    driven = [
+        (number, j, joint)
+        for number, leg in enumerate(robot.legs, start=1)
+        for j, joint in enumerate(leg.joints, start=1)
+        if joint.mu
+    ]
+    return [
+        (f"u[{k}]", f"leg {number}, joint {j}: {unit(joint, 'N m', 'N')}")
+        for k, (number, j, joint) in enumerate(driven)
+    ]
+
+
+def inputs(robot: Robot, output: Output) -> Rows:
+    """All inputs."""
+    N = robot.platform.modes
+    rows = [*state(robot), *actuators(robot)]
+    rows += [
+        span("w", 0, 3, "force of loads on the platform, N; w NULL: no loads"),
+        span("w", 3, 3, "their moment about the platform's origin, N m"),
+        span(
+            "w", 6, N, "their modal forces, Phi^T F for a force F where the modes have the shapes Phi (3 x N)"
+        ),
+        span("target", 0, output.size, target(output)),
+        span("preload", 0, robot.n_forces, "forces that u is to be near to, units as in u; NULL: zero"),
+    ]
+    return [row for row in rows if row[0]]
+
+
+def target(output: Output) -> str:
+    """What the inverse model prescribes."""
+    rows = ", ".join(COMPONENTS[row] for row in output.axes)
+    where = "the platform's frame"
+    if isinstance(output, PointOutput):
+        where = f"the point at {tuple(output.offset)} m from node {output.node}"
+    return f"acceleration of {where}, in platform axes, m/s^2 or rad/s^2: {rows}"
+
+
+def outputs(robot: Robot, output: Output) -> Rows:
+    """All outputs but those that are laid out as inputs."""
+    m, parts = robot.n_forces, state_parts(robot)
+    rows = [
+        span("Vd", 0, 3, "acceleration of the platform's origin, m/s^2 (not the rate of x[7 .. 9])"),
+        span("Vd", 3, 3, "angular acceleration, rad/s^2"),
+        span("qdd_e", 0, parts["ELASTIC"][1], "modal accelerations, kg^1/2 m/s^2"),
+    ]
+    rows += [
+        span("f", 3 * t, 3, f"force of leg {leg + 1} on the platform at attachment {held}, N")
+        for t, (leg, held) in enumerate(tips(robot))
+    ]
+    rows += [
+        (f"gain[{m} i + j]", "change of target[i] with u[j]; singular where no forces give the target"),
+        ("xd", "derivative of x in time, laid out as x"),
+        span("powers", 0, 1, "power of the actuators, W"),
+        span("powers", 1, 1, "power of the loads, W"),
+        span("powers", 2, 1, "power lost by damping and friction, W"),
+        *health(robot),
+        ("projected", "state nearer to the closure, laid out as x"),
+    ]
+    return [row for row in rows if row[0]]
+
+
+def health(robot: Robot) -> Rows:
+    """The entries of health."""
+    count = len(robot.legs)
+    gaps = sum(3 * group.attachments.size for group in robot.groups if not group.closed)
+    tip_gap = "gap between each tip of the legs and its attachment, x y z, m; small on the closure"
+    rows = [
+        span("health", 0, count, "reach of each leg: of order 1, not positive beyond it"),
+        span("health", count, count, "regularity of each leg: of order 1, zero where it is singular"),
+        span("health", 2 * count, gaps, tip_gap),
+        span("health", 2 * count + gaps, gaps, "rates of these gaps, m/s"),
+    ]
+    return [row for row in rows if row[0]]
+
+
+def span(name: str, start: int, count: int, words: str) -> tuple[str, str]:
+    """A row for consecutive entries; without a name where there are none."""
+    if count == 0:
+        return "", words
+    last = "" if count == 1 else f" .. {start + count - 1}"
+    return f"{name}[{start}{last}]", words
+
+
+def unit(joint: Joint, turning: str, sliding: str) -> str:
+    """The unit that goes with the kind of a joint."""
+    return sliding if joint.sigma else turning

@@ -1,0 +1,1 @@
+"""Free bodies, their bases and the errors of these."""

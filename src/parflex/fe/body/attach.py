@@ -1,0 +1,122 @@
+"""Where legs hold an imported platform: nodes by id, points, or patches of nodes that move as one."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.base.check import exactly, integer, of_type, positive
+from parflex.base.errors import InputError
+from parflex.fe.body.canonical import cut_pair
+from parflex.fe.body.joints import FEWEST, mean_motion, nodes_within, unshared
+from parflex.robot.body import attachment_nodes
+from parflex.robot.modes import Modes
+
+
+def attached(
+    modes: Modes,
+    ids: Sequence[int | Sequence[int]] | None = None,
+    points: ArrayLike | None = None,
+    radius: float | None = None,
+) -> Modes:
+    """The modes, held at places of a body: `FlexibleBody.from_modes(attached(…))` needs no more.
+
+    ids are the other program's node numbers, or a list of them for a patch; or points (k, 3) m are
+    nodes' coordinates, and with a radius (m) the centres of patches of the surface's nodes around them. A
+    patch is one more node, at the centre of its nodes or at the point, which moves and turns as they do
+    in the mean (an RBE3).
+
+    Raises InputError for a node that is not there, a point on no node or off the body, a patch of fewer
+    than three nodes, and for places that share nodes.
+    """
+    of_type("modes", modes, Modes)
+    if ids is not None and points is None:
+        groups = [by_id(modes, number, given) for number, given in enumerate(ids)]
+        centres = [np.mean(modes.nodes[group], axis=0) for group in groups]
+    elif points is not None and ids is None:
+        wanted = exactly("points", points, (None, 3))
+        groups, centres = near(modes, wanted, radius), list(wanted)
+    else:
+        raise InputError(
+            "ids and points are both given, or neither; give node numbers, or points (k, 3) in m"
+        )
+    unshared([f"place {number}" for number in range(1, len(groups) + 1)], groups)
+    return with_places(modes, groups, centres)
+
+
+def by_id(modes: Modes, number: int, given: int | Sequence[int]) -> Array:
+    """Rows of nodes of one place."""
+    wanted = list(given) if isinstance(given, Sequence) else [given]
+    row = {node: k for k, node in enumerate(modes.ids) if node > 0}
+    for node in wanted:
+        if integer(f"ids[{number}]", node) not in row:
+            raise InputError(f"ids[{number}] has node {node}, which the model has not ({len(row)} nodes)")
+    if isinstance(given, Sequence) and len(set(wanted)) < FEWEST:
+        raise InputError(
+            f"ids[{number}] is a patch of {len(set(wanted))} nodes; give three or more, or one alone"
+        )
+    return np.array(sorted({row[node] for node in wanted}))
+
+
+def near(modes: Modes, wanted: Array, radius: float | None) -> list[Array]:
+    """Rows of nodes at points, or around them."""
+    if radius is None:
+        return [np.array([node]) for node in attachment_nodes(modes.nodes, wanted)]
+    names = [f"points[{number}]" for number in range(len(wanted))]
+    return nodes_within(modes.nodes, modes.triangles, names, wanted, positive("radius", radius))
+
+
+def with_places(modes: Modes, groups: list[Array], centres: list[Array]) -> Modes:
+    """The modes with a node more for each patch, held at its places."""
+    nodes, shapes = [modes.nodes], [modes.shapes]
+    turns = [np.zeros_like(modes.shapes) if modes.rotations is None else modes.rotations]
+    corners, free = [], len(modes.nodes)
+    for group, centre in zip(groups, centres, strict=True):
+        if len(group) == 1:
+            corners.append(int(group[0]))
+            continue
+        motion = modes.shapes[:, group].reshape(len(modes.shapes), -1).T
+        carried, turn = (matrix @ motion for matrix in mean_motion(modes.nodes[group], centre))
+        nodes.append(centre[None])
+        shapes.append(carried.T[:, None])
+        turns.append(turn.T[:, None])
+        corners.append(free)
+        free += 1
+    rotations = (
+        None if modes.rotations is None and free == len(modes.nodes) else np.concatenate(turns, axis=1)
+    )
+    return replace(
+        modes,
+        nodes=np.concatenate(nodes),
+        shapes=np.concatenate(shapes, axis=1),
+        rotations=rotations,
+        corners=tuple(corners),
+        reduction=None,
+        ids=(*modes.ids, *[0] * (free - len(modes.nodes))) if modes.ids else (),
+    )
+
+
+def first(modes: Modes, n: int | None) -> Modes:
+    """The n lowest modes, all for None; a note where they cut a degenerate pair in two.
+
+    Raises InputError where there are fewer.
+    """
+    if n is None or integer("modes", n) == len(modes.frequencies):
+        return modes
+    if n > len(modes.frequencies):
+        raise InputError(
+            f"modes is {n}, but the file has {len(modes.frequencies)} elastic ones; compute more"
+        )
+    moments = modes.moments
+    return replace(
+        modes,
+        shapes=modes.shapes[:n],
+        rotations=None if modes.rotations is None else modes.rotations[:n],
+        frequencies=modes.frequencies[:n],
+        frequency_error=modes.frequency_error[:n],
+        moments=moments._replace(S=moments.S[:, :n], P1=moments.P1[:n], P2=moments.P2[:n, :n]),
+        notes=(*modes.notes, *cut_pair(modes.frequencies, n)),
+        reduction=None,
+    )

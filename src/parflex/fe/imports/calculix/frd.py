@@ -1,0 +1,213 @@
+"""Result files of CalculiX (frd, in ASCII): nodes, elements, and the displacements of modes.
+
+Blocks of fixed columns, each of as many lines as its head says (CalculiX CrunchiX USER'S MANUAL,
+"Result Format").
+"""
+
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.fe.imports.foreign import briefly
+
+KINDS = {1: "hex8", 2: "wedge6", 3: "tet4", 4: "hex20", 5: "wedge15", 6: "tet10"}
+COUNTS = {1: 8, 2: 6, 3: 4, 4: 20, 5: 15, 6: 10}
+BEYOND = 1e30  # what no displacement or coordinate is
+LONG = 1  # the format with numbers of ten digits
+SAME = 1e-4  # numbers that the file holds twice
+
+
+class FrdElement(NamedTuple):
+    """One element: its kind, the number of its material, its nodes."""
+
+    kind: str
+    material: int
+    nodes: tuple[int, ...]
+
+
+class FrdModes(NamedTuple):
+    """What an frd file says of modes, in its own units."""
+
+    ids: Array  # (K,)
+    nodes: Array  # (K, 3)
+    elements: tuple[FrdElement, ...]
+    materials: dict[int, str]
+    shapes: Array  # (P, K, 3)
+    squares: Array  # (P,)
+    modal_mass: Array  # (P,)
+
+
+class Block(NamedTuple):
+    """A line that says what follows, and the lines that do."""
+
+    head: bytes
+    lines: Sequence[bytes]
+
+
+class Mode(NamedTuple):
+    """The head of a block of displacements."""
+
+    number: int
+    square: float
+    mass: float
+
+
+def read_frd(path: Path) -> FrdModes:
+    """The modes of an frd file.
+
+    Raises InputError where the file is missing, damaged, binary, or without modes.
+    """
+    try:
+        text = path.read_bytes().replace(b"\r\n", b"\n")
+    except OSError as error:
+        raise InputError(f"frd {path} cannot be read: {error.strerror or error}") from None
+    if not text.startswith(b"    1C"):
+        raise InputError(
+            f"frd {path.name} is no result file of CalculiX; give the .frd file of a *FREQUENCY step"
+        )
+    try:
+        found = list(blocks(path.name, text.split(b"\n")))
+        ids, nodes = table(path.name, only(path.name, found, b"    2C"))
+        elements = read_elements(path.name, only(path.name, found, b"    3C"))
+        modes = list(read_modes(path.name, found, ids))
+        return collected(path.name, ids, nodes, elements, materials_of(found), modes)
+    except (ValueError, IndexError, KeyError) as error:
+        if isinstance(error, InputError):
+            raise
+        raise InputError(f"frd {path.name} is damaged ({briefly(error)}); write it again") from None
+
+
+def blocks(name: str, lines: Sequence[bytes]) -> Iterator[Block]:
+    """The heads of a file, with the lines that follow each, up to the end."""
+    at = 0
+    while at < len(lines) and not lines[at].startswith(b" 9999"):
+        head, first = lines[at], at + 1
+        at = first
+        if head.startswith((b"    2C", b"    3C", b"  100C")):
+            if int(head[73:75]) != LONG:
+                raise InputError(
+                    f"frd {name} is binary or of short format; write it with *NODE FILE, not *NODE OUTPUT"
+                )
+            while at < len(lines) and lines[at] != b" -3":
+                at += 1
+            yield Block(head, lines[first:at])
+            at += 1
+        elif head.startswith((b"    1C", b"    1U", b"    1P")):
+            yield Block(head, ())
+        else:
+            raise InputError(f"frd {name} is damaged in line {at}; write it again")
+    if at >= len(lines):
+        raise InputError(f"frd {name} has no end; it is cut short: write it again")
+
+
+def only(name: str, found: Sequence[Block], key: bytes) -> Block:
+    """The one block of a kind."""
+    some = [block for block in found if block.head.startswith(key)]
+    if len(some) != 1:
+        raise InputError(f"frd {name} has {len(some)} blocks of nodes or of elements; write one model")
+    return some[0]
+
+
+def materials_of(found: Sequence[Block]) -> dict[int, str]:
+    """Names of materials by their numbers."""
+    heads = [block.head for block in found if block.head.startswith(b"    1UMAT")]
+    return {int(head[9:14]): head[14:].decode("latin-1").strip().upper() for head in heads}
+
+
+def read_modes(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[Mode, Array]]:
+    """The modes, each told of in lines before its displacements (K, 3)."""
+    told: dict[str, float] = {}
+    announced = given = 0
+    for head, lines in found:
+        if head.startswith(b"    1P"):
+            key = head[5:10].decode("latin-1").strip()
+            told[key] = float(head.split()[1])
+            announced += key == "PMODE"
+        elif head.startswith(b"  100C") and b"MODAL" in head and lines[0].split()[1] == b"DISP":
+            rows = [line for line in lines if not line.startswith((b" -4", b" -5"))]
+            nodes, values = table(name, Block(head, rows))
+            if not np.array_equal(nodes, ids):
+                raise InputError(f"frd {name} has other nodes in a mode than in the mesh; it is damaged")
+            given += 1
+            yield mode_of(name, head, told), values
+    if given != announced:
+        raise InputError(f"frd {name} announces {announced} modes and holds {given}; write it again")
+
+
+def table(name: str, block: Block) -> tuple[Array, Array]:
+    """Node numbers (K,) and three values each (K, 3), of as many lines as the head says."""
+    count = int(block.head[24:36])
+    if len(block.lines) != count or any(len(row) != 49 or row[:3] != b" -1" for row in block.lines):
+        raise InputError(f"frd {name} is damaged where {count} nodes are expected; write it again")
+    rows = np.frombuffer(b"".join(block.lines), dtype=[("key", "S3"), ("node", "S10"), ("values", "S12", 3)])
+    values = rows["values"].astype(float)
+    if not np.all(np.abs(values) < BEYOND):
+        raise InputError(
+            f"frd {name} is damaged where {count} nodes are expected: a value is beyond all bounds"
+        )
+    return rows["node"].astype(int), values
+
+
+def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
+    """Each element: a line of its kind, and lines of its nodes."""
+    found, rest = [], iter(block.lines)
+    for head in rest:
+        kind, material = int(head[13:18]), int(head[23:28])
+        if kind not in KINDS:
+            raise InputError(
+                f"frd {name} has elements that are no solids (type {kind}); write shells and beams as the "
+                f"solids that CalculiX makes of them: *NODE FILE, OUTPUT=3D"
+            )
+        nodes: list[int] = []
+        while len(nodes) < COUNTS[kind]:
+            line = next(rest, b"")
+            if not line.startswith(b" -2"):
+                raise InputError(f"frd {name} is damaged in an element; write it again")
+            nodes += [int(line[k : k + 10]) for k in range(3, len(line), 10)]
+        if not len(nodes) == len(set(nodes)) == COUNTS[kind]:
+            raise InputError(f"frd {name} has an element with a node twice or too many; write it again")
+        found.append(FrdElement(KINDS[kind], material, tuple(nodes)))
+    if len(found) != int(block.head[24:36]):
+        raise InputError(f"frd {name} has {len(found)} elements, not as many as it says; write it again")
+    return tuple(found)
+
+
+def mode_of(name: str, line: bytes, told: dict[str, float]) -> Mode:
+    """Number, ω² and modal mass of a mode; the file says ω² as a frequency, too."""
+    frequency, mass, stiffness = float(line[12:24]), told["PGM"], told["PGK"]
+    square = stiffness / mass
+    if not mass > 0 or abs((2 * np.pi * frequency) ** 2 - max(square, 0.0)) > SAME * abs(square) + 1e-12:
+        raise InputError(f"frd {name} contradicts itself in the frequency of a mode; it is damaged")
+    return Mode(int(told["PMODE"]), square, mass)
+
+
+def collected(
+    name: str,
+    ids: Array,
+    nodes: Array,
+    elements: tuple[FrdElement, ...],
+    materials: dict[int, str],
+    modes: list[tuple[Mode, Array]],
+) -> FrdModes:
+    """All that was read, where it is one set of modes of one mesh."""
+    numbers = [mode.number for mode, _ in modes]
+    if not modes or numbers != list(range(1, len(numbers) + 1)):
+        raise InputError(
+            f"frd {name} holds {len(modes)} modes, numbered {numbers[:3]} …; run one step "
+            f"of *FREQUENCY with *NODE FILE and U"
+        )
+    if len(np.unique(ids)) != len(ids) or not elements:
+        raise InputError(f"frd {name} has a node twice, or no elements; write it again")
+    return FrdModes(
+        ids=ids,
+        nodes=nodes,
+        elements=elements,
+        materials=materials,
+        shapes=np.stack([values for _, values in modes]),
+        squares=np.array([mode.square for mode, _ in modes]),
+        modal_mass=np.array([mode.mass for mode, _ in modes]),
+    )

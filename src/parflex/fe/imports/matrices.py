@@ -1,0 +1,192 @@
+"""A free body from stiffness and mass matrices in files, of whatever program."""
+
+from collections.abc import Callable
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+from scipy import sparse
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.base.progress import waiting
+from parflex.fe.body.free_body import FreeBody, Sparse
+from parflex.fe.body.nodal import BELOW, body_of_matrices
+from parflex.fe.imports.check_report import BodyReport
+from parflex.fe.imports.foreign import briefly
+from parflex.fe.imports.free_checks import check_size
+from parflex.fe.imports.imported import rigid_body
+from parflex.fe.imports.unit_systems import Units, units_named
+
+BALANCED = 1e-8  # forces in a rigid motion, of those that its parts make, at most
+
+
+def read_matrices(
+    stiffness: str | PathLike[str],
+    mass: str | PathLike[str],
+    nodes: str | PathLike[str],
+    units: str = "",
+    unknowns: str | PathLike[str] | None = None,
+    say: Callable[[str], None] = print,
+) -> FreeBody:
+    """The free body of matrices (3K, 3K) over the displacements of K nodes.
+
+    stiffness and mass are MatrixMarket files (.mtx) or SciPy's (.npz); nodes is a text table of id, x,
+    y, z; unknowns, one of node id and direction (1, 2, 3) for each row of the matrices, by default x, y,
+    z of node after node in the table's order. All in `units`, such as "SI" or "mm-tonne-s". A basis
+    makes modes of the body: `pf.fe.FreeFreeWithAttachment(9, points).modes(body)`.
+
+    Raises InputError where a file is missing, damaged or does not fit the others, and where the model
+    is held.
+    """
+    system = units_named(units)
+    with waiting("reading the matrices"):
+        table = numbers("nodes", Path(nodes).name, lines_of("nodes", Path(nodes)), 4)
+        ids = table[:, 0].astype(int)
+        K, M = read_matrix("stiffness", Path(stiffness)), read_matrix("mass", Path(mass))
+        rows = None
+        if unknowns is not None:
+            listed = numbers("unknowns", Path(unknowns).name, lines_of("unknowns", Path(unknowns)), 2)
+            rows = numbered(listed, ids)
+        names = f"{Path(stiffness).name}, {Path(mass).name}"
+        return free_body(ids, table[:, 1:], K, M, rows, None, f"{names}, {units}", system, say)
+
+
+def free_body(
+    ids: Array,
+    nodes: Array,
+    stiffness: Sparse,
+    mass: Sparse,
+    unknowns: Array | None,
+    triangles: Array | None,
+    source: str,
+    units: Units,
+    say: Callable[[str], None],
+) -> FreeBody:
+    """The body of matrices in a system of units, with what is to be said of it."""
+    K, M = units.stiffness * sparse.csr_array(stiffness), units.mass * sparse.csr_array(mass)
+    if len(np.unique(ids)) != len(ids):
+        raise InputError("nodes has an id twice; give each node once")
+    body = body_of_matrices(units.length * nodes, K, M, unknowns, triangles, source=source)
+    check_equilibrium(ids, body)
+    report = report_of(body)
+    check_size(float(np.max(np.ptp(body.nodes, axis=0))), report.body.mass, report.first)
+    say(str(report))
+    return body
+
+
+def check_equilibrium(ids: Array, body: FreeBody) -> None:
+    """Raises InputError where a rigid motion makes a force at a node: K R = 0 row by row."""
+    largest = abs(body.stiffness) @ np.abs(body.rigid)
+    off = np.max(np.abs(body.stiffness @ body.rigid) / np.max(largest, axis=0), axis=1)
+    worst = int(np.argmax(off))
+    if off[worst] > BALANCED:
+        raise InputError(
+            f"stiffness makes a force of {off[worst]:.1e} of the largest at node {ids[worst // 3]} in a "
+            f"rigid motion; it is held, or at other coordinates in the table of nodes, or a file is damaged"
+        )
+
+
+def report_of(body: FreeBody) -> BodyReport:
+    """What the matrices say of the rigid body, and how soft its rigid motions are."""
+    none = body.moments(np.zeros((body.unknowns, 0)))
+    inertia = np.block(
+        [[none.m * np.eye(3), -hat(none.MS0)], [hat(none.MS0), np.trace(none.P0) * np.eye(3) - none.P0]]
+    )
+    first = float(np.sqrt(body.shift / BELOW))
+    R = body.rigid
+    energy = np.sum(R * (body.stiffness @ R), axis=0) / np.sum(R * (body.mass @ R), axis=0)
+    return BodyReport(
+        source=body.source,
+        body=rigid_body(inertia),
+        unknowns=body.unknowns,
+        residual_stiffness=float(np.max(np.abs(energy)) / first**2),
+        first=first,
+    )
+
+
+def hat(v: Array) -> Array:
+    """The matrix of v ×."""
+    return np.cross(np.eye(3), v).T
+
+
+def read_matrix(name: str, path: Path) -> Sparse:
+    """A sparse matrix of a file."""
+    if path.suffix != ".npz":
+        return matrix_market(name, path)
+    try:
+        matrix = sparse.csr_array(sparse.load_npz(BytesIO(path.read_bytes())))
+        matrix.check_format(full_check=True)
+    except OSError as error:
+        raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
+    except Exception as error:  # the reader raises many kinds for a damaged file
+        raise InputError(
+            f"{name} {path.name} is damaged, or of no matrix ({briefly(error)}); write it again"
+        ) from None
+    return matrix
+
+
+def matrix_market(name: str, path: Path) -> Sparse:
+    """A real matrix in coordinate format, general or symmetric.
+
+    Read here, since SciPy's reader may crash on a damaged file (1.17).
+    """
+    lines = lines_of(name, path)
+    head = lines[0].lower().split()
+    real = head[:3] == ["%%matrixmarket", "matrix", "coordinate"] and head[3:4] in (["real"], ["integer"])
+    if not real or head[4:] not in (["general"], ["symmetric"]):
+        raise InputError(
+            f"{name} {path.name} begins with {lines[0][:60]!r}; expected %%MatrixMarket matrix coordinate "
+            f"real, general or symmetric"
+        )
+    body = [line for line in lines[1:] if line and not line.startswith("%")]
+    size, *entries = body or [""]
+    shape = [int(word) if word.isdigit() else -1 for word in size.split()]
+    if len(shape) != 3 or min(shape) < 0 or shape[0] != shape[1] or len(entries) != shape[2]:
+        raise InputError(f"{name} {path.name} says {size!r} and has {len(entries)} entries; it is damaged")
+    return coordinates(name, path.name, entries, shape[0], head[4] == "symmetric")
+
+
+def lines_of(name: str, path: Path) -> list[str]:
+    """The lines of a text file, one at least."""
+    try:
+        return path.read_text(encoding="latin-1").splitlines() or [""]
+    except OSError as error:
+        raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
+
+
+def coordinates(name: str, file: str, entries: list[str], size: int, symmetric: bool) -> Sparse:
+    """The matrix (n, n) of lines of row, column, value, counted from 1; of one triangle if symmetric."""
+    table = numbers(name, file, entries, 3)
+    whole = np.all(table[:, :2] == np.floor(table[:, :2]))
+    if not whole or np.any(table[:, :2] < 1) or np.any(table[:, :2] > size):
+        raise InputError(f"{name} {file} does not fit {size} unknowns; write it again")
+    i, j = table[:, :2].astype(int).T - 1
+    matrix = sparse.coo_array((table[:, 2], (i, j)), shape=(size, size)).tocsr()
+    return matrix + matrix.T - sparse.diags_array(matrix.diagonal()) if symmetric else matrix
+
+
+def numbers(name: str, file: str, lines: list[str], columns: int) -> Array:
+    """Finite numbers (n, columns) of lines, with commas or without."""
+    rows = [line.replace(",", " ") for line in lines if line.strip() and not line.startswith("#")]
+    if not rows:
+        raise InputError(f"{name} {file} is empty; write it again")
+    try:
+        table = np.loadtxt(rows, ndmin=2)
+    except ValueError as error:
+        raise InputError(f"{name} {file} is no table of numbers ({briefly(error)}); correct it") from None
+    if table.shape[1:] != (columns,) or not np.all(np.isfinite(table)):
+        raise InputError(f"{name} {file} has not {columns} finite numbers in each line; correct it")
+    return table
+
+
+def numbered(table: Array, ids: Array) -> Array:
+    """(n, 2) node and direction from 0, of ids and directions from 1."""
+    order = np.argsort(ids)
+    at = np.searchsorted(ids, table[:, 0], sorter=order)
+    node = order[np.minimum(at, len(ids) - 1)]
+    wrong = np.flatnonzero(ids[node] != table[:, 0])
+    if len(wrong):
+        raise InputError(f"unknowns has node {table[wrong[0], 0]:.0f}, which the table of nodes has not")
+    return np.column_stack([node, table[:, 1].astype(int) - 1])

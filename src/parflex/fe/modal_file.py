@@ -1,0 +1,214 @@
+"""The modal file: a platform with its modes in HDF5 (NetCDF-4), every number to the last bit.
+
+docs/platforms.md has the schema. A checksum over all that the file says tells an altered one.
+"""
+
+import hashlib
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.base.check import of_type
+from parflex.base.errors import InputError
+from parflex.base.version import __version__
+from parflex.base.writing import replacing
+from parflex.robot.body import FlexibleBody
+from parflex.robot.modes import Modes, Solid
+from parflex.robot.moments import Moments
+
+FORMAT = "parflex-modes-1"
+
+MODE, OTHER, NODE, AXIS, AXIS_2 = "mode", "other_mode", "node", "axis", "other_axis"
+ELEMENT = "element"
+
+# what a body holds: dimensions, units, meaning
+MOMENTS = {
+    "m": ((), "kg", "mass"),
+    "MS0": ((AXIS,), "kg m", "integral of r"),
+    "P0": ((AXIS, AXIS_2), "kg m2", "integral of r r^T"),
+    "S": ((AXIS, MODE), "kg0.5", "integral of the shapes"),
+    "P1": ((MODE, AXIS, AXIS_2), "kg0.5 m", "integral of shape r^T"),
+    "P2": ((MODE, OTHER, AXIS, AXIS_2), "1", "integral of shape shape^T"),
+}
+FIELDS = {
+    "nodes": ((NODE, AXIS), "m", "nodes in the platform frame"),
+    "shapes": ((MODE, NODE, AXIS), "kg-0.5", "displacement shapes"),
+    "rotation_shapes": ((MODE, NODE, AXIS), "rad m-1 kg-0.5", "rotation shapes"),
+    "stiffness": ((MODE,), "s-2", "diagonal of the modal stiffness"),
+    "damping": ((MODE,), "s-1", "diagonal of the modal damping"),
+    "attachments": (("attachment",), "1", "node numbers from 0 that legs may hold"),
+    "triangles": (("triangle", "corner"), "1", "surface, node numbers from 0"),
+}
+# what modes hold beside; none of it is needed for a platform
+MODAL = {
+    "frequencies": ((MODE,), "rad s-1", "natural frequencies, or of a basis its Ritz values"),
+    "frequency_error": ((MODE,), "1", "change from a coarser mesh, where it is known"),
+    "tool": ((), "1", "node number where wrenches act"),
+    "elements": ((ELEMENT, "element_node"), "1", "ten-node tetrahedra, in VTK's order, from 0"),
+    "parts": ((ELEMENT,), "1", "part of each element, from 0"),
+    "materials": (("material", "modulus"), "Pa, 1, kg m-3", "Young's modulus, Poisson's ratio, density"),
+}
+WHOLE = ("attachments", "triangles", "tool", "elements", "parts")
+OPTIONAL = ("rotation_shapes", "triangles")
+
+
+def write_modes(
+    modes: Modes,
+    path: str | os.PathLike[str],
+    attachments: ArrayLike | None = None,
+    origin: ArrayLike | None = None,
+    damping_ratio: ArrayLike = 0.0,
+) -> Path:
+    """Write modes as a modal file that robot files name; arguments as in `FlexibleBody.from_modes`.
+
+    Raises InputError as that does, and where the file cannot be written.
+    """
+    of_type("modes", modes, Modes)
+    body = FlexibleBody.from_modes(modes, attachments, origin, damping_ratio)
+    save_body(body, Path(path), modes)
+    return Path(path)
+
+
+def read_modes(path: str | os.PathLike[str]) -> Modes:
+    """The modes of a modal file, in the platform's frame.
+
+    Raises InputError where the file is missing, truncated, altered, or holds something else.
+    """
+    data = opened(Path(path))
+    found = arrays_of(Path(path).name, data)
+    body = body_of(found)
+    frequencies = found["frequencies"]
+    if frequencies is None:
+        frequencies = np.sqrt(body.stiffness / np.diagonal(body.m_ee))
+    unknown = np.full(len(frequencies), np.nan)
+    return Modes(
+        nodes=body.nodes,
+        triangles=np.zeros((0, 3), dtype=np.int64) if body.triangles is None else body.triangles,
+        shapes=body.shapes,
+        rotations=body.rotation_shapes,
+        frequencies=frequencies,
+        frequency_error=unknown if found["frequency_error"] is None else found["frequency_error"],
+        moments=body.moments,
+        corners=body.attachments,
+        source=str(data.attrs["source"]),
+        notes=tuple(str(data.attrs["notes"]).splitlines()),
+        tool=None if found["tool"] is None else int(found["tool"]),
+        solid=solid_of(found),
+    )
+
+
+def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> None:
+    """Write a body, and what its modes hold beside, whole or not at all.
+
+    Raises InputError where it cannot be written.
+    """
+    values = body.moments._asdict() | {name: getattr(body, name) for name in FIELDS}
+    values |= dict.fromkeys(MODAL) if modes is None else modal_values(modes)
+    variables = {
+        name: (dims, array_of(name, values[name]), {"units": units, "long_name": words})
+        for name, (dims, units, words) in (MOMENTS | FIELDS | MODAL).items()
+        if values[name] is not None
+    }
+    attributes = {
+        "format": FORMAT,
+        "parflex_version": __version__,
+        "units_note": "SI units and radians, in the platform frame",
+        "source": "" if modes is None else modes.source,
+        "notes": "" if modes is None else "\n".join(modes.notes),
+    }
+    data = xr.Dataset(variables, attrs=attributes)
+    data.attrs["checksum"] = checksum(data)
+    with replacing(path) as part:
+        data.to_netcdf(part, engine="h5netcdf")
+
+
+def modal_values(modes: Modes) -> dict[str, Any]:
+    """What modes hold beside a body."""
+    solid = modes.solid
+    materials = None if solid is None else [(m.young, m.poisson, m.density) for m in solid.materials]
+    return {
+        "frequencies": modes.frequencies,
+        "frequency_error": modes.frequency_error,
+        "tool": modes.tool,
+        "elements": None if solid is None else solid.elements,
+        "parts": None if solid is None else solid.parts,
+        "materials": materials,
+    }
+
+
+def load_body(path: Path) -> FlexibleBody:
+    """The platform of a modal file.
+
+    Raises InputError where the file is missing, truncated, altered, or holds something else.
+    """
+    return body_of(arrays_of(path.name, opened(path)))
+
+
+def opened(path: Path) -> xr.Dataset:
+    """The file's dataset, as it was written."""
+    if not path.is_file():
+        raise InputError(f"file is {path.name}, but {path} does not exist; it belongs beside the robot file")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as found:
+            data = found.load()
+    except Exception:  # the HDF5 readers raise many kinds for a damaged file
+        raise InputError(f"file is {path.name}, which is damaged or no modal file; write it again") from None
+    if data.attrs.get("format") != FORMAT:
+        raise InputError(f"file is {path.name}, which holds no platform of format {FORMAT!r}")
+    missing = [name for name in MOMENTS | FIELDS if name not in data and name not in OPTIONAL]
+    if missing:
+        raise InputError(f"file is {path.name}, which lacks {', '.join(missing)}; write it again")
+    if data.attrs.get("checksum") != checksum(data):
+        raise InputError(f"file is {path.name}, which was altered after it was written; write it again")
+    return data
+
+
+def checksum(data: xr.Dataset) -> str:
+    """SHA-256 of names, dimensions, values and attributes."""
+    digest = hashlib.sha256()
+    for name in sorted(map(str, data.variables)):
+        variable = data[name]
+        words = f"{name}{variable.dims}{variable.shape}{variable.attrs.get('units')}"
+        values = np.asarray(variable.values, dtype=np.int64 if name in WHOLE else float)
+        digest.update(words.encode() + np.ascontiguousarray(values).tobytes())
+    for name in sorted(set(data.attrs) - {"checksum"}):
+        digest.update(f"{name}={data.attrs[name]}".encode())
+    return digest.hexdigest()
+
+
+def arrays_of(name: str, data: xr.Dataset) -> dict[str, Any]:
+    """The arrays by name, None for those that are not there; only estimates may be unknown."""
+    found = {field: data[field].values if field in data else None for field in MOMENTS | FIELDS | MODAL}
+    for field, value in found.items():
+        if value is not None and field != "frequency_error" and not np.all(np.isfinite(value)):
+            raise InputError(f"file is {name}, whose {field} is not finite; write it again")
+    return found
+
+
+def body_of(found: dict[str, Any]) -> FlexibleBody:
+    """The body of its arrays, in C order as they were computed."""
+    moments = Moments(float(found["m"]), *(found[field] for field in list(MOMENTS)[1:]))
+    attachments = tuple(int(node) for node in found["attachments"])
+    rest = {field: found[field] for field in FIELDS if field != "attachments"}
+    return FlexibleBody(moments, attachments=attachments, **rest)
+
+
+def solid_of(found: dict[str, Any]) -> Solid | None:
+    """Elements and materials, where there are any."""
+    if found["elements"] is None:
+        return None
+    from parflex.fe.body.material import Material
+
+    return Solid(
+        found["elements"], found["parts"], tuple(Material(*map(float, row)) for row in found["materials"])
+    )
+
+
+def array_of(name: str, value: Any) -> Array:
+    """Floats, or whole numbers for what counts nodes."""
+    return np.asarray(value, dtype=np.int64 if name in WHOLE else float)

@@ -1,0 +1,72 @@
+"""Outlines: polygons, checked, and their centres."""
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.base.check import exactly
+from parflex.base.errors import InputError
+
+
+def convex_polygon(polygon: ArrayLike) -> Array:
+    """The corners (n, 2), anticlockwise; the first stays first."""
+    corners, edges = corners_of("polygon", polygon)
+    length = np.linalg.norm(edges, axis=1)
+    turns = crossed(edges, np.roll(edges, -1, axis=0))
+    sine = turns / (length * np.roll(length, -1))
+    if not (np.all(sine > 1e-9) or np.all(sine < -1e-9)):
+        sense = np.sign(np.sum(turns))
+        worst = (int(np.argmin(sine * sense)) + 1) % len(corners)
+        raise InputError(
+            f"polygon is not convex at corner {worst}, {corners[worst]}; give the corners of a "
+            f"convex outline in order, without points on straight edges, or mesh it as a solid"
+        )
+    dots = np.sum(edges * np.roll(edges, -1, axis=0), axis=1)
+    angles = abs(np.sum(np.arctan2(turns, dots)))
+    if abs(angles - 2 * np.pi) > 1e-6:
+        raise InputError("polygon crosses itself; give the corners in order around the outline")
+    return corners if turns[0] > 0 else np.roll(corners[::-1], 1, axis=0)
+
+
+def simple_polygon(name: str, polygon: ArrayLike) -> Array:
+    """The corners (n, 2), anticlockwise, of an outline that does not cross or touch itself."""
+    corners, edges = corners_of(name, polygon)
+    n = len(corners)
+    a, c = np.triu_indices(n, 2)
+    apart = (c + 1) % n != a
+    a, c = a[apart], c[apart]
+    from_a, from_c = corners[c] - corners[a], corners[a] - corners[c]
+    one = crossed(edges[a], from_a) * crossed(edges[a], from_a + edges[c])
+    other = crossed(edges[c], from_c) * crossed(edges[c], from_c + edges[a])
+    meet = np.flatnonzero((one <= 0) & (other <= 0))
+    if len(meet):
+        raise InputError(
+            f"{name} crosses itself: the edges from corners {a[meet[0]]} and {c[meet[0]]} meet; give the "
+            f"corners in order around the outline"
+        )
+    area = np.sum(crossed(corners, np.roll(corners, -1, axis=0)))
+    return corners if area > 0 else np.roll(corners[::-1], 1, axis=0)
+
+
+def corners_of(name: str, polygon: ArrayLike) -> tuple[Array, Array]:
+    """Three corners or more, and the edges from them, none of no length."""
+    corners = exactly(name, polygon, (None, 2))
+    if len(corners) < 3:
+        raise InputError(f"{name} has {len(corners)} corners; a plate needs at least 3")
+    edges = np.roll(corners, -1, axis=0) - corners
+    length = np.linalg.norm(edges, axis=1)
+    if np.any(length == 0):
+        raise InputError(f"{name}: corner {int(np.argmin(length))} is given twice in a row")
+    return corners, edges
+
+
+def crossed(a: Array, b: Array) -> Array:
+    """a × b in the plane."""
+    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
+
+
+def centroid(corners: Array) -> Array:
+    """The centre (2,) of a polygon's area."""
+    near = corners - corners[0]
+    weights = crossed(near, np.roll(near, -1, axis=0))
+    return corners[0] + (weights @ (near + np.roll(near, -1, axis=0))) / (3 * np.sum(weights))

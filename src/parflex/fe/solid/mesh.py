@@ -1,0 +1,161 @@
+"""Meshes of second-order tetrahedra, checked: what is wrong is mended or refused, in words."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import sparse
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from parflex.base.array import Array
+from parflex.base.check import exactly
+from parflex.base.errors import InputError
+
+# corners, then the middles of these edges: the order of VTK, meshio and scikit-fem
+EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
+# the faces, outward: corners, then the middles between them
+FACES = np.array([(0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)])
+MIRRORED = (1, 0, 2, 3, 4, 6, 5, 8, 7, 9)  # an element seen from the other side
+
+FLAT = 1e-9  # volume of an element that is none, of its longest edge cubed
+SAME = 1e-9  # distance of nodes that are one, of the body's size
+
+
+@dataclass(frozen=True, eq=False)
+class SolidMesh:
+    """Tetrahedra with ten nodes: nodes (K, 3) m, elements (E, 10) node numbers (corners, then the middles
+    of the edges 01 12 02 03 13 23), and the part (E,) from 0 that each belongs to, for its material.
+
+    Built by `solid_mesh`, which checks it.
+    """
+
+    nodes: Array
+    elements: Array
+    parts: Array
+    notes: tuple[str, ...] = ()
+
+    @cached_property
+    def size(self) -> float:
+        """The median edge, m."""
+        corner = self.nodes[self.elements[:, :4]]
+        return float(np.median(np.linalg.norm(corner[:, EDGES[:, 0]] - corner[:, EDGES[:, 1]], axis=-1)))
+
+    @cached_property
+    def faces(self) -> Array:
+        """The surface (F, 6): corners and the middles between them, outward."""
+        every = self.elements[:, FACES].reshape(-1, 6)
+        corners = np.sort(every[:, :3], axis=1)
+        _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
+        return every[np.sort(first[count == 1])]
+
+    @cached_property
+    def triangles(self) -> Array:
+        """The surface as flat triangles (4F, 3)."""
+        split = np.array([(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])
+        return self.faces[:, split].reshape(-1, 3)
+
+
+def solid_mesh(
+    nodes: ArrayLike, elements: ArrayLike, parts: ArrayLike | None = None, notes: tuple[str, ...] = ()
+) -> SolidMesh:
+    """A checked mesh of tetrahedra, nodes (K, 3) m, elements (E, 4) or (E, 10), parts (E,) from 0.
+
+    Inverted elements are turned, coincident nodes joined, nodes on no element left out, and the notes
+    say so. Raises InputError for elements without volume, folded ones, and parts that do not touch.
+    """
+    r = exactly("nodes", nodes, (None, 3))
+    cells = np.asarray(elements)
+    if cells.ndim != 2 or cells.shape[1] not in (4, 10) or cells.dtype.kind not in "iu" or len(cells) == 0:
+        raise InputError(f"elements has shape {cells.shape}; expected node numbers (E, 4) or (E, 10)")
+    if cells.min() < 0 or cells.max() >= len(r):
+        raise InputError(f"elements names node {cells.max()}; the mesh has nodes 0 … {len(r) - 1}")
+    part = np.zeros(len(cells), dtype=int) if parts is None else np.asarray(parts, dtype=int)
+    r, cells, joined = without_doubles(r, cells.astype(np.int64))
+    cells, turned = upright(r, cells)
+    if cells.shape[1] == 4:
+        r, cells = with_middles(r, cells)
+    one_piece(r, cells)
+    unfolded(r, cells)
+    return SolidMesh(r, cells, part, (*notes, *joined, *turned))
+
+
+def without_doubles(r: Array, cells: Array) -> tuple[Array, Array, tuple[str, ...]]:
+    """Coincident nodes joined, unused ones left out."""
+    used = np.unique(cells)
+    size = float(np.max(np.ptp(r[used], axis=0)))
+    pairs = cKDTree(r[used]).query_pairs(SAME * size, output_type="ndarray")
+    count = len(used)
+    touching = sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    groups, group = connected_components(touching, directed=False)
+    first = np.full(groups, count)
+    np.minimum.at(first, group, np.arange(count))
+    order = np.argsort(first)
+    number = np.empty(groups, dtype=np.int64)
+    number[order] = np.arange(groups)
+    new = np.full(len(r), -1)
+    new[used] = number[group]
+    notes = []
+    if groups < count:
+        notes.append(f"{count - groups} coincident nodes were joined")
+    if count < len(r):
+        notes.append(f"{len(r) - count} nodes on no element were left out")
+    return r[used[first[order]]], new[cells], tuple(notes)
+
+
+def upright(r: Array, cells: Array) -> tuple[Array, tuple[str, ...]]:
+    """Elements of positive volume. Raises InputError where one has none."""
+    corner = r[cells[:, :4]]
+    volume = np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0
+    longest = np.max(np.linalg.norm(corner[:, EDGES[:, 0]] - corner[:, EDGES[:, 1]], axis=-1), axis=1)
+    flat = np.flatnonzero(np.abs(volume) <= FLAT * longest**3)
+    if len(flat):
+        raise InputError(
+            f"element {flat[0]} has no volume (corners {corner[flat[0]].tolist()}), and {len(flat) - 1} "
+            f"more; remove such elements, or mesh the body again"
+        )
+    inverted = volume < 0
+    if not np.any(inverted):
+        return cells, ()
+    mirror = list(MIRRORED[: cells.shape[1]])
+    cells = np.where(inverted[:, None], cells[:, mirror], cells)
+    return cells, (f"{np.sum(inverted)} inverted elements were turned",)
+
+
+def with_middles(r: Array, cells: Array) -> tuple[Array, Array]:
+    """Nodes in the middle of straight edges."""
+    ends, edge = np.unique(np.sort(cells[:, EDGES].reshape(-1, 2), axis=1), axis=0, return_inverse=True)
+    middles = 0.5 * (r[ends[:, 0]] + r[ends[:, 1]])
+    return np.vstack([r, middles]), np.hstack([cells, len(r) + edge.reshape(len(cells), 6)])
+
+
+def one_piece(r: Array, cells: Array) -> None:
+    """Raise InputError where parts share no node."""
+    count = len(r)
+    links = sparse.coo_array(
+        (np.ones(3 * len(cells)), (np.repeat(cells[:, 0], 3), cells[:, 1:4].ravel())), shape=(count, count)
+    )
+    _, group = connected_components(links, directed=False)
+    names = np.unique(group[cells[:, 0]])
+    if len(names) == 1:
+        return
+    one = r[np.unique(cells[group[cells[:, 0]] == names[0], :4])]
+    rest = r[np.unique(cells[group[cells[:, 0]] != names[0], :4])]
+    gap = float(np.min(cKDTree(one).query(rest)[0]))
+    raise InputError(
+        f"the mesh has {len(names)} parts that do not touch, {gap:.3g} m apart at their nearest nodes; a "
+        f"platform is one body: join them, or mesh their common faces alike"
+    )
+
+
+def unfolded(r: Array, cells: Array) -> None:
+    """Raise InputError where curved edges fold an element."""
+    from parflex.fe.solid.tetrahedron import jacobians, vertices_and_middles
+
+    worst = np.min(np.linalg.det(jacobians(r[cells], vertices_and_middles())), axis=1)
+    if np.any(worst <= 0):
+        raise InputError(
+            f"element {int(np.argmin(worst))} is folded by its curved edges; mesh finer there, or with "
+            f"straight edges"
+        )

@@ -1,0 +1,1 @@
+"""What the paper does; it imports NumPy alone."""

@@ -1,0 +1,60 @@
+"""Legs of a group one by one: what is traced for one of them serves all that are alike."""
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from parflex.base.array import Array, split
+from parflex.base.unroll import for_each, recorder
+from parflex.mechanics.legs.base import LegGroup
+
+INERTIAS = ("M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k")  # tables of a chain, by link
+GEOMETRY = ("gamma", "b", "alpha", "d", "theta", "r", "q_0")
+STANDS = ("rotation", "origin")
+FORM = ("offsets", "branch", "posture")
+
+
+def alike(group: LegGroup) -> bool:
+    """Whether the legs differ in nothing but inertia, friction, springs and where they stand."""
+    tables = [*(getattr(group.chain, name) for name in GEOMETRY), group.offsets, group.branch]
+    return all(np.all(table == table[:1]) for table in tables)
+
+
+def leg_by_leg(
+    group: LegGroup,
+    function: Callable[..., Sequence[Array]],
+    rows: Sequence[Array],
+    shared: Sequence[Array],
+    shapes: Sequence[tuple[int, ...]],
+) -> list[Array]:
+    """function(group, *rows, *shared) for rows (…, L, n_i): its parts (…, L, *shape)."""
+    if recorder(*rows, *shared) is None or not alike(group):
+        return list(function(group, *rows, *shared))
+    count = len(group.legs)
+    tables = [getattr(group.chain, name) for name in INERTIAS] + [getattr(group, name) for name in STANDS]
+    inner = [table.shape[1:] for table in tables]
+
+    def one(table: Array, *given: Array) -> Array:
+        found = function(holding(group, split(table, inner)), *given)
+        flat = [
+            np.broadcast_to(part, (1, len(table), *shape)).reshape(1, len(table), math.prod(shape))
+            for part, shape in zip(found, shapes, strict=True)
+        ]
+        return np.concatenate(flat, axis=-1)
+
+    flat = np.concatenate([table.reshape(count, -1) for table in tables], axis=-1)
+    return split(for_each(one, [flat, *rows], shared), shapes)
+
+
+def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
+    """As many legs of the group as there are rows in the tables, which are theirs."""
+    count = len(tables[0])
+    masses: dict[str, Any] = dict(zip(INERTIAS, tables, strict=False))
+    geometry = {name: getattr(group.chain, name)[:count] for name in GEOMETRY}
+    form: dict[str, Any] = {name: getattr(group, name)[:count] for name in FORM}
+    form |= dict(zip(STANDS, tables[len(INERTIAS) :], strict=True))
+    chain = replace(group.chain, **masses, **geometry)
+    return group._replace(legs=group.legs[:count], chain=chain, **form)

@@ -1,0 +1,98 @@
+"""What a leg type is: the inverse geometry of one kind of leg, for all legs of equal structure."""
+
+from abc import ABC, abstractmethod
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, stack
+from parflex.mechanics.chain import Chain, Frames, Joints, frames, tip_position
+from parflex.robot.leg import Leg
+
+MARGINS = 2  # reach and regularity, per leg
+
+
+class LegGroup(NamedTuple):
+    """L legs of one type and equal structure, their tables side by side."""
+
+    type: "LegType"
+    legs: tuple[int, ...]  # their numbers in the robot
+    chain: Chain
+    rotation: Array  # (L, 3, 3)
+    origin: Array  # (L, 3)
+    tip_frames: tuple[int, ...]  # index of the link that carries each of the t tips
+    offsets: Array  # (L, t, 3)
+    attachments: Array  # (L, t) int
+    actuated: tuple[int, ...]  # joint indices
+    forces: Array  # (L, actuated) int, positions in Γ
+    posture: Array  # (L, n)
+    branch: Array  # (L,), ±1: which solution of the inverse geometry
+    carried: Array  # (L, n) int, positions in the joints that the state carries; (L, 0) for none
+
+    @property
+    def closed(self) -> bool:
+        """Whether the closure holds by itself: each tip is where the platform has it."""
+        return self.carried.shape[1] == 0 and 3 * len(self.tip_frames) == self.chain.n
+
+
+class LegType(ABC):
+    """The inverse geometry of one kind of leg, found by its table.
+
+    Where a leg has fewer joints than its tips have coordinates, the formulas hold for tips that the
+    leg can reach exactly, and are smooth about them.
+    """
+
+    name: str
+    carries = False  # whether the legs' joints are carried in the state
+
+    @abstractmethod
+    def recognises(self, leg: Leg) -> bool:
+        """Whether the formulas of this type hold for the leg's table."""
+
+    def branch(self, group: LegGroup, joints: Joints, tips: Array) -> Array:
+        """Which solution (L,), +1 or −1, the joints at their tips (L, t, 3) in Σ0i belong to."""
+        return np.ones(len(group.legs))
+
+    @abstractmethod
+    def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
+        """Joint variables from the tip positions (…, L, t, 3) in Σ0i; q (…, L, n) where carried."""
+
+    @abstractmethod
+    def rates(
+        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
+    ) -> Array:
+        """Joint rates q̇ (…, L, n) from the tips' positions and velocities (…, L, t, 3) in Σ0i."""
+
+    @abstractmethod
+    def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
+        """Reach and regularity (…, L), of order 1 where all is well: the first is not positive where
+        the leg cannot reach its tips, the second is zero where its inverse geometry is singular."""
+
+
+def joints_at(chain: Chain, q: Array) -> Joints:
+    """Joint variables of given positions q (…, L, n)."""
+    slides = chain.sigma
+    one, zero = np.ones(()), np.zeros(())
+    return Joints(
+        cos=stack([one if slide else np.cos(q[..., j]) for j, slide in enumerate(slides)]),
+        sin=stack([zero if slide else np.sin(q[..., j]) for j, slide in enumerate(slides)]),
+        length=stack([q[..., j] if slide else zero for j, slide in enumerate(slides)]),
+    )
+
+
+def tips_at(group: LegGroup, joints: Joints) -> Array:
+    """Tip positions (…, L, t, 3) in Σ0i."""
+    frame = frames(group.chain, joints)
+    places = [tip_position(frame, j, group.offsets[:, t]) for t, j in enumerate(group.tip_frames)]
+    return stack(places, axis=-2)
+
+
+def settled(group: LegGroup) -> LegGroup | None:
+    """The group on the branch of its posture; None where the posture is on no branch of its type."""
+    given = joints_at(group.chain, group.posture)
+    tips = tips_at(group, given)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        chosen = group._replace(branch=group.type.branch(group, given, tips))
+        found = group.type.joints(chosen, tips, group.posture)
+    agree = all(np.allclose(a, b, rtol=0, atol=1e-6) for a, b in zip(found, given, strict=True))
+    return chosen if agree else None

@@ -1,0 +1,76 @@
+"""The generalised Newton–Euler model of the flexible platform (Sec. 4.4, Eqs. 34 and 35)."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, block, cross, dot, join, mtv, mv, skew, stack, trace, transpose
+from parflex.base.unroll import contract
+from parflex.robot.body import FlexibleBody
+
+
+class Contractions(NamedTuple):
+    """What meets the coordinates at O(N²) cost, linear in q_e and q̇_e."""
+
+    G: Array  # (…, N, 3, 3), ∫ Φ_k ρᵀ dm
+    T_axial: Array  # (…, N, 3), (T_k,23 − T_k,32, …) with T_k = ∫ (Σ Φ_j q̇_j) Φ_kᵀ dm
+
+
+class PlatformTerms(NamedTuple):
+    """M_p = [A_rr, A_re; A_reᵀ, m_ee] and c_p = (c_r, c_e) of Eq. 35, in Σp."""
+
+    A_rr: Array  # (…, 6, 6)
+    A_re: Array  # (…, 6, N)
+    c_r: Array  # (…, 6)
+    c_e: Array  # (…, N)
+
+
+def contractions(body: FlexibleBody, q_e: Array, qd_e: Array) -> Contractions:
+    """G_k = P1_k + Σ_j q_j P2_kj, and the axial part of the same sum of rates."""
+    by_second = np.swapaxes(body.tables.P2, 0, 1)
+    return Contractions(body.tables.P1 + contract(q_e, by_second), contract(qd_e, axial(by_second)))
+
+
+def axial(X: Array) -> Array:
+    """(X_32 − X_23, X_13 − X_31, X_21 − X_12): for X = ∫ a bᵀ this is ∫ b × a."""
+    return stack(
+        [
+            X[..., 2, 1] - X[..., 1, 2],
+            X[..., 0, 2] - X[..., 2, 0],
+            X[..., 1, 0] - X[..., 0, 1],
+        ]
+    )
+
+
+def platform_terms(
+    body: FlexibleBody, omega: Array, q_e: Array, qd_e: Array, gravity: Array
+) -> PlatformTerms:
+    """The generalised Newton–Euler model of the platform; ω, gravity (…, 3) in Σp."""
+    t, (G, T_axial) = body.tables, contractions(body, q_e, qd_e)
+    symmetric = np.sum(q_e[..., None, None] * (transpose(t.P1) + G), axis=-3)
+    second = t.P0 + symmetric
+    inertia = trace(second)[..., None, None] * np.eye(3) - second
+    MS = t.MS0 + mv(t.S, q_e)  # Eq. 34
+    MS_re = transpose(axial(G))  # Eq. 34
+    C = np.sum(qd_e[..., None, None] * G, axis=-3)
+
+    f_c = cross(omega, cross(omega, MS)) + 2.0 * cross(omega, mv(t.S, qd_e))
+    n_c = cross(omega, mv(inertia, omega)) + 2.0 * (trace(C)[..., None] * omega - mv(C, omega))
+    omega_k = omega[..., None, :]
+    Q_c = dot(omega_k, mv(G, omega_k)) - dot(omega_k, omega_k) * trace(G)
+    Q_c = Q_c + 2.0 * dot(omega_k, T_axial)
+    Q_e = body.stiffness * q_e + body.damping * qd_e - mtv(t.S, gravity)
+
+    MS_hat = skew(MS)
+    A_rr = block([[t.m * np.eye(3), -MS_hat], [MS_hat, inertia]])
+    A_re = block([[t.S], [MS_re]])
+    c_r = join([f_c - t.m * gravity, n_c - cross(MS, gravity)])
+    return PlatformTerms(A_rr, A_re, c_r, Q_c + Q_e)  # Eq. 35
+
+
+def body_energies(body: FlexibleBody, twist: Array, q_e: Array, qd_e: Array) -> tuple[Array, Array]:
+    """Kinetic and strain energy (…,) J."""
+    terms = platform_terms(body, twist[..., 3:], q_e, qd_e, np.zeros(3))
+    kinetic = 0.5 * dot(twist, mv(terms.A_rr, twist) + 2.0 * mv(terms.A_re, qd_e))
+    kinetic = kinetic + 0.5 * dot(qd_e, mv(body.m_ee, qd_e))
+    return kinetic, 0.5 * dot(q_e, body.stiffness * q_e)

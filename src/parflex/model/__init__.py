@@ -1,0 +1,1 @@
+"""The door: checked calls of the models, and flat calls for control loops."""

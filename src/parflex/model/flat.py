@@ -1,0 +1,129 @@
+"""The models on flat arrays, for control loops: no allocation, no checks after the first call."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.compiled.backend import Trigger
+from parflex.kernels import models as kernels
+from parflex.mechanics.output import Output
+from parflex.robot.state import State
+
+if TYPE_CHECKING:
+    from parflex.model.model import Model
+
+REMEMBERED = 64  # sets of arrays, per function
+
+
+Key = tuple[int, int, int]  # identities of the arrays
+
+
+class Bound(NamedTuple):
+    """A bound call and the very objects that were passed: while they live, their id is theirs."""
+
+    trigger: Trigger
+    arrays: tuple[Array, Array, Array]
+
+
+class Compiled:
+    """Direct and inverse models on flat float64 arrays; one per thread.
+
+    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N, q, q̇), of length
+    `state_size`, q the joints of legs without closed-form inverse geometry; the quaternion is
+    normalised inside. Arrays are bound at first sight, kept alive, and recognised by identity: pass
+    the same arrays again and only their contents are read.
+    """
+
+    def __init__(self, model: "Model", output: Output) -> None:
+        self.model, self.output = model, output
+        self.state_size, self.modes, self.force_size, self.contact_size = kernels.sizes(model.robot)
+        self._direct: dict[Key, Bound] = {}
+        self._inverse: dict[Key, Bound] = {}
+
+    def pack(self, state: State) -> Array:
+        """The flat state (state_size,) of one state.
+
+        Raises OutOfReach where no joints are found for a leg whose joints it carries.
+        """
+        if self.model.of(state) is not self.model:
+            self.model = self.model.of(state)
+            self._direct, self._inverse = {}, {}
+        x = self.model.flat(state)
+        if x.ndim != 1:
+            raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
+        if self.model.robot.layout.carried:
+            self.model.legs(state)
+        return x
+
+    def unpack(self, x: Array) -> State:
+        """The state of a flat vector."""
+        return self.model.state(x)
+
+    def direct(self, x: Array, u: Array, out: Array) -> None:
+        """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
+        key = (id(x), id(u), id(out))
+        bound = self._direct.get(key)
+        if bound is None:
+            bound = Bound(self._bind_direct(x, u, out), (x, u, out))
+            remember(self._direct, key, bound)
+        bound.trigger()
+
+    def inverse(self, x: Array, target: Array, out: Array) -> None:
+        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for an output's target (o,).
+
+        Nothing is checked here: near a singular pose the forces grow without bound.
+        """
+        key = (id(x), id(target), id(out))
+        bound = self._inverse.get(key)
+        if bound is None:
+            bound = Bound(self._bind_inverse(x, target, out), (x, target, out))
+            remember(self._inverse, key, bound)
+        bound.trigger()
+
+    def _bind_direct(self, x: Array, u: Array, out: Array) -> Trigger:
+        check("x", x, self.state_size)
+        check("u", u, self.force_size)
+        Vd, qdd_e, f = self._split(out, 6)
+        return self.model.function(kernels.direct).bind([x, u, None], [Vd, qdd_e, f, None])
+
+    def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
+        check("x", x, self.state_size)
+        size = self.output.size
+        check("target", target, size)
+        if self.force_size < size:
+            raise InputError(
+                f"the flat inverse model prescribes {size} accelerations, but the robot has "
+                f"{self.force_size} actuators; use model.compiled(FrameOutput(rows=…))"
+            )
+        forces, qdd_e, f = self._split(out, self.force_size)
+        function = self.model.function(kernels.inverse, self.output)
+        return function.bind([x, target, None, None], [forces, None, qdd_e, f, None, None])
+
+    def _split(self, out: Array, first: int) -> tuple[Array, Array, Array | None]:
+        """Views of the output's parts; the contact forces where there is room for them."""
+        short = first + self.modes
+        check("out", out, short, short + self.contact_size)
+        if not out.flags.writeable:
+            raise InputError("out is read-only; pass an array that can be written")
+        return out[:first], out[first:short], out[short:] if len(out) > short else None
+
+
+def check(name: str, array: Array, *lengths: int) -> None:
+    """A contiguous float64 vector of one of these lengths, as it is: nothing is copied."""
+    if not isinstance(array, np.ndarray) or array.dtype != np.float64:
+        kind = getattr(array, "dtype", type(array).__name__)
+        raise InputError(f"{name} is of {kind}; pass a NumPy array of float64")
+    if array.ndim != 1 or len(array) not in lengths or not array.flags.c_contiguous:
+        wanted = " or ".join(f"({n},)" for n in sorted(set(lengths)))
+        raise InputError(
+            f"{name} has shape {array.shape} and strides {array.strides}; pass a contiguous {wanted}"
+        )
+
+
+def remember(known: dict[Key, Bound], key: Key, bound: Bound) -> None:
+    """Keep a bound call; the oldest is dropped where a caller keeps passing new arrays."""
+    if len(known) >= REMEMBERED:
+        known.pop(next(iter(known)))
+    known[key] = bound

@@ -1,0 +1,67 @@
+"""What the models answer, and how answers are sorted: by leg, by attachment."""
+
+from typing import NamedTuple
+
+from parflex.base.array import Array
+
+
+class Accelerations(NamedTuple):
+    """The direct model's answer, all in Σp.
+
+    platform V̇_p (…, 6) m/s², rad/s²; elastic q̈_e (…, N); contact_forces (…, k, 3) N on the
+    platform, by attachment.
+    """
+
+    platform: Array
+    elastic: Array
+    contact_forces: Array
+
+
+class Forces(NamedTuple):
+    """The inverse model's answer.
+
+    forces Γ (…, m) N or N m; elastic q̈_e (…, N), platform V̇_p (…, 6) and contact_forces
+    (…, k, 3) N that go with them, in Σp.
+    """
+
+    forces: Array
+    elastic: Array
+    platform: Array
+    contact_forces: Array
+
+
+class DirectJacobian(NamedTuple):
+    """∂(V̇_p, q̈_e), rows (6 + N), of the direct model.
+
+    state (…, 6 + N, 12 + 2 N + 2 n) by small motions (δp 3 in Σ0, δθ 3, δv_p 3, δω_p 3, δq_e N,
+    δq̇_e N[, δq, δq̇ carried]), δθ being a rotation vector in Σp: R → R exp(δθ̂); forces
+    (…, 6 + N, m) by Γ; load (…, 6 + N, 6 + N) by a generalised force on (Σp, modes); parameters
+    (…, 6 + N, P) by the model's parameters, one after the other.
+    """
+
+    state: Array
+    forces: Array
+    load: Array
+    parameters: Array
+
+
+class InverseJacobian(NamedTuple):
+    """∂Γ, rows (m), of the inverse model.
+
+    state (…, m, 12 + 2 N + 2 n) by small motions as in `DirectJacobian`, target (…, m, m) by the
+    output's acceleration.
+    """
+
+    state: Array
+    target: Array
+
+
+class Reactions(NamedTuple):
+    """What each link receives through its joint, in the axes of its own frame; one entry per leg.
+
+    force (…, n_i, 3) N, moment (…, n_i, 3) N m about the frame's origin. Along the joint's axis it
+    holds the actuator's force less friction, spring and rotor.
+    """
+
+    force: tuple[Array, ...]
+    moment: tuple[Array, ...]

@@ -1,0 +1,290 @@
+"""The flexible body (Sec. 4.4): three moment tensors hold every inertia integral.
+
+P0 = ∫ r rᵀ dm, P1_k = ∫ Φ_k rᵀ dm, P2_kj = ∫ Φ_k Φ_jᵀ dm, with m, MS0 = ∫ r dm, S = ∫ Φ dm; with
+them the body's inertia is exact in all orders of the elastic coordinates.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array, outer, without_roundoff
+from parflex.base.check import exactly, finite, integer, of_type, positive
+from parflex.base.errors import InputError
+from parflex.robot.modes import Modes
+from parflex.robot.moments import Moments, shifted, with_point
+
+
+@dataclass(frozen=True, eq=False)
+class FlexibleBody:
+    """A platform: moment tensors, modal stiffness and damping, nodes, and the nodes legs hold.
+
+    `nodes` (K, 3) m, `shapes` (N, K, 3) and `rotation_shapes` (N, K, 3) or None are in Σp;
+    `attachments` are node numbers; `stiffness` and `damping` are the diagonals of K_ee and D_ee;
+    `triangles` (T, 3) is a surface to draw. Built by `from_nodes`, `from_modes` or `rigid`.
+    """
+
+    moments: Moments
+    nodes: Array
+    shapes: Array
+    rotation_shapes: Array | None
+    stiffness: Array
+    damping: Array
+    attachments: tuple[int, ...]
+    triangles: Array | None = None
+
+    def __post_init__(self) -> None:
+        count = len(self.nodes)
+        for number, node in enumerate(self.attachments):
+            if integer(f"attachments[{number}]", node) >= count:
+                raise InputError(f"attachments[{number}] is node {node}; this body has nodes 0 … {count - 1}")
+
+    @staticmethod
+    def from_nodes(
+        positions: ArrayLike,
+        masses: ArrayLike,
+        shapes: ArrayLike,
+        frequencies: ArrayLike,
+        damping_ratio: ArrayLike = 0.0,
+        attachments: Sequence[int] | ArrayLike = (),
+        rotation_shapes: ArrayLike | None = None,
+    ) -> "FlexibleBody":
+        """A body of lumped nodal masses.
+
+        positions (K, 3) m in Σp, masses (K,) kg, mass-normalised shapes (N, K, 3) kg^-½, natural
+        frequencies (N,) rad/s, damping ratios scalar or (N,), attachments as node numbers or points,
+        rotation_shapes (N, K, 3) rad m⁻¹ kg^-½ where moments are to be applied.
+
+        Raises InputError for wrong shapes, negative masses or frequencies, and where ΦᵀMΦ differs
+        from 1 by more than 1e-3.
+        """
+        r = exactly("positions", positions, (None, 3))
+        if len(r) == 0:
+            raise InputError("positions is empty; a body needs at least one node")
+        dm = exactly("masses", masses, (len(r),))
+        if np.any(dm < 0) or not np.sum(dm) > 0:
+            worst = int(np.argmin(dm))
+            raise InputError(f"masses[{worst}] is {dm[worst]}; masses must be ≥ 0, their sum > 0")
+        Phi = exactly("shapes", shapes, (None, len(r), 3))
+        rotations = None
+        if rotation_shapes is not None:
+            rotations = exactly("rotation_shapes", rotation_shapes, Phi.shape)
+        weighted = Phi * dm[:, None]
+        moments = Moments(
+            m=float(np.sum(dm)),
+            MS0=dm @ r,
+            P0=np.einsum("k,ka,kb->ab", dm, r, r),
+            S=np.sum(weighted, axis=1).T,
+            P1=np.einsum("nka,kb->nab", weighted, r),
+            P2=np.einsum("nka,jkb->njab", weighted, Phi, optimize=True),
+        )
+        modal_mass = np.trace(moments.P2, axis1=-2, axis2=-1)
+        error = np.max(np.abs(modal_mass - np.eye(len(Phi))), initial=0.0)
+        if error > 1e-3:
+            raise InputError(
+                f"shapes: ΦᵀMΦ differs from 1 by {error:.2e}; normalise the modes to unit modal "
+                f"mass with the same masses, and give free–free or at least M-orthogonal shapes"
+            )
+        omega = natural_frequencies("frequencies", frequencies, len(Phi))
+        stiffness, damping = modal_diagonals(moments, omega, damping_ratio)
+        held = attachment_nodes(r, attachments)
+        return FlexibleBody(moments, r, Phi, rotations, stiffness, damping, held)
+
+    @staticmethod
+    def from_modes(
+        modes: Modes,
+        attachments: Sequence[int] | ArrayLike | None = None,
+        origin: ArrayLike | None = None,
+        damping_ratio: ArrayLike = 0.0,
+    ) -> "FlexibleBody":
+        """A body from computed modes, with the FE model's own (consistent) integrals.
+
+        attachments are node numbers or points (k, 3) m, by default the polygon's corners; origin
+        is the point (3,) m of the modes' coordinates that becomes the origin of Σp, by default the
+        centre of mass.
+
+        Raises InputError where a point is on no node.
+        """
+        of_type("modes", modes, Modes)
+        mass, MS0 = modes.moments.m, modes.moments.MS0
+        o = MS0 / mass if origin is None else exactly("origin", origin, (3,))
+        nodes = without_roundoff(modes.nodes - o)
+        chosen = attachment_nodes(modes.nodes, modes.corners if attachments is None else attachments)
+        moments = shifted(modes.moments, o)
+        stiffness, damping = modal_diagonals(moments, modes.frequencies, damping_ratio)
+        return FlexibleBody(
+            moments, nodes, modes.shapes, modes.rotations, stiffness, damping, chosen, modes.triangles
+        )
+
+    @staticmethod
+    def rigid(
+        mass: float, com: ArrayLike, inertia_at_com: ArrayLike, attachments: ArrayLike
+    ) -> "FlexibleBody":
+        """A rigid body: mass kg, centre of mass (3,) m, inertia about it (3, 3) kg m², attachment
+        points (k, 3) m, all in Σp.
+
+        Raises InputError for a mass that is not positive or an inertia no body can have.
+        """
+        m, c = positive("mass", mass), exactly("com", com, (3,))
+        inertia = exactly("inertia_at_com", inertia_at_com, (3, 3))
+        second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
+        lowest = np.linalg.eigvalsh(second)[0]
+        symmetric = np.allclose(inertia, inertia.T, rtol=0, atol=1e-9 * np.trace(inertia))
+        if not symmetric or lowest < -1e-9 * np.trace(inertia):
+            raise InputError(
+                "inertia_at_com is not the inertia of a body: it must be symmetric, with principal "
+                "values that are positive and none larger than the sum of the other two"
+            )
+        points = exactly("attachments", attachments, (None, 3))
+        moments = Moments(m, m * c, second + m * outer(c, c), *(np.zeros(s) for s in rigid_shapes))
+        empty = np.zeros((0, len(points), 3))
+        return FlexibleBody(
+            moments, points, empty, empty, np.zeros(0), np.zeros(0), tuple(range(len(points)))
+        )
+
+    def with_payload(self, node: int, mass: float) -> "FlexibleBody":
+        """The body with a point mass (kg) on a node: the tensors grow by m Φ Φᵀ.
+
+        Stiffness and damping stay those of the bare body. Raises InputError for an unknown node or
+        a mass that is not positive.
+        """
+        m = positive("mass", mass)
+        if integer("node", node) >= len(self.nodes):
+            raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
+        moments = with_point(self.moments, m, self.nodes[node], self.shapes[:, node])
+        return replace(self, moments=moments)
+
+    def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
+        """Φ_d and Φ_r (3, N) of a node, or of a point (3,) m away from it that is fixed to it.
+
+        Rotations are zero where the body has no rotation shapes.
+        """
+        Phi_d = self.shapes[:, node].T
+        Phi_r = np.zeros_like(Phi_d) if self.rotation_shapes is None else self.rotation_shapes[:, node].T
+        return Phi_d + np.cross(Phi_r.T, np.asarray(offset)).T, Phi_r
+
+    @property
+    def modes(self) -> int:
+        """N, the number of modes; 0 for a rigid body."""
+        return len(self.stiffness)
+
+    @cached_property
+    def m_ee(self) -> Array:
+        """Modal mass tr P2 (N, N), exactly 1 where the modes are normalised to round-off."""
+        modal = np.trace(self.moments.P2, axis1=-2, axis2=-1)
+        one = np.eye(self.modes)
+        return np.where(np.abs(modal - one) < 1e-12, one, modal)  # Eq. 34
+
+    @cached_property
+    def m_ee_inverse(self) -> Array:
+        """m_ee⁻¹ (N, N)."""
+        return without_roundoff(np.linalg.inv(self.m_ee))
+
+    def modal_solve(self, loads: Array) -> Array:
+        """m_ee⁻¹ times modal forces (…, N, c)."""
+        return self.m_ee_inverse @ loads
+
+    @cached_property
+    def attachment_points(self) -> Array:
+        """r_i(0) (k, 3) m of the undeformed body."""
+        return without_roundoff(self.nodes[list(self.attachments)])
+
+    @cached_property
+    def attachment_shapes(self) -> Array:
+        """Φ_d(i) (k, 3, N)."""
+        return without_roundoff(np.moveaxis(self.shapes[:, list(self.attachments)], 0, -1))
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square distance of the attachments from their centre, m; 1 where that is zero."""
+        points = self.attachment_points
+        return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
+
+    @cached_property
+    def tables(self) -> Moments:
+        """The moment tensors as the mechanics reads them: round-off stored as exact zeros.
+
+        An integral is round-off against its Cauchy–Schwarz bound. P2 always meets a small q_e, and
+        FE modes that symmetry keeps apart mix by some 1e-10: it is cleaned to 1e-9, which halves
+        the cost of the model at forty modes. m_ee is not touched by it, nor is any conservation
+        law, which hold for whatever tensors the body has.
+        """
+        m = self.moments
+        size = np.sqrt(np.trace(m.P0))
+        shape = np.sqrt(np.max(np.abs(self.m_ee), initial=0.0))
+        root = np.sqrt(m.m)
+        return Moments(
+            m=m.m,
+            MS0=without_roundoff(m.MS0, root * size),
+            P0=without_roundoff(m.P0, size**2),
+            S=without_roundoff(m.S, root * shape),
+            P1=without_roundoff(m.P1, shape * size),
+            P2=without_roundoff(m.P2, shape**2, tolerance=1e-9),
+        )
+
+    @cached_property
+    def origin_node(self) -> int | None:
+        """The node at the origin of Σp, where there is one."""
+        if len(self.nodes) == 0:
+            return None
+        distance = np.linalg.norm(self.nodes, axis=1)
+        nearest = int(np.argmin(distance))
+        return nearest if distance[nearest] <= 1e-9 * np.max(distance) else None
+
+
+rigid_shapes = ((3, 0), (0, 3, 3), (0, 0, 3, 3))
+
+
+def modal_diagonals(moments: Moments, omega: Array, damping_ratio: ArrayLike) -> tuple[Array, Array]:
+    """Diagonals of K_ee = ω² m_kk and D_ee = 2 ζ ω m_kk."""
+    zeta = finite("damping_ratio", damping_ratio)
+    if zeta.shape not in ((), omega.shape) or np.any(zeta < 0):
+        raise InputError(
+            f"damping_ratio is {damping_ratio!r}; expected one value ≥ 0 or {len(omega)} of them"
+        )
+    return diagonals(modal_masses(moments), omega, zeta)
+
+
+def modal_masses(moments: Moments) -> Array:
+    """m_kk (N,), the diagonal of tr P2."""
+    return np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
+
+
+def diagonals(m_kk: Array, omega: Array, zeta: Array) -> tuple[Array, Array]:
+    """ω² m_kk and 2 ζ ω m_kk."""
+    return omega * omega * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
+
+
+def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:
+    """(N,) rad/s, none negative."""
+    omega = exactly(name, value, (modes,))
+    if np.any(omega < 0):
+        worst = int(np.argmin(omega))
+        raise InputError(f"{name}[{worst}] is {omega[worst]}; frequencies in rad/s cannot be negative")
+    return omega
+
+
+def attachment_nodes(nodes: Array, wanted: Sequence[int] | ArrayLike) -> tuple[int, ...]:
+    """Node numbers of attachments given as numbers or as points (k, 3)."""
+    try:
+        array = np.asarray(wanted)
+    except ValueError:
+        raise InputError("attachments is ragged; give node numbers, or points (k, 3)") from None
+    if array.ndim == 1 and (array.dtype.kind in "iu" or array.size == 0):
+        return tuple(int(i) for i in array)
+    points = exactly("attachments", array, (None, 3))
+    size = np.max(np.ptp(nodes, axis=0))
+    found = []
+    for number, point in enumerate(points):
+        distance = np.linalg.norm(nodes - point, axis=1)
+        nearest = int(np.argmin(distance))
+        if distance[nearest] > 1e-6 * size:
+            raise InputError(
+                f"attachments[{number}] = {point} is on no node; the nearest, {nearest}, is "
+                f"{distance[nearest]:.4g} m away at {nodes[nearest]}: use its number, or refine"
+            )
+        found.append(nearest)
+    return tuple(found)

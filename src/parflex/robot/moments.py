@@ -1,0 +1,50 @@
+"""The inertia integrals of a flexible body."""
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, outer
+
+if TYPE_CHECKING:
+    pass
+
+
+class Moments(NamedTuple):
+    """Inertia integrals of the undeformed body about the origin of its coordinates; SI units.
+
+    With Φ_k the displacement shapes: m, MS0 = ∫ r dm, P0 = ∫ r rᵀ dm, S = ∫ Φ dm,
+    P1_k = ∫ Φ_k rᵀ dm, P2_kj = ∫ Φ_k Φ_jᵀ dm.
+    """
+
+    m: float
+    MS0: Array  # (3,)
+    P0: Array  # (3, 3)
+    S: Array  # (3, N)
+    P1: Array  # (N, 3, 3)
+    P2: Array  # (N, N, 3, 3)
+
+
+def shifted(old: Moments, o: Array) -> Moments:
+    """The integrals about the point o: r becomes r − o."""
+    cross_term = np.outer(old.MS0, o)
+    return Moments(
+        m=old.m,
+        MS0=old.MS0 - old.m * o,
+        P0=old.P0 - cross_term - cross_term.T + old.m * np.outer(o, o),
+        S=old.S,
+        P1=old.P1 - old.S.T[:, :, None] * o,
+        P2=old.P2,
+    )
+
+
+def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
+    """The integrals with a point mass m at r (3,), displaced by Φ (N, 3): they grow by m Φ Φᵀ."""
+    return Moments(
+        m=old.m + m,
+        MS0=old.MS0 + m * r,
+        P0=old.P0 + m * outer(r, r),
+        S=old.S + m * Phi.T,
+        P1=old.P1 + m * outer(Phi, r),
+        P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
+    )

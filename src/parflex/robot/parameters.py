@@ -1,0 +1,251 @@
+"""Numbers of a robot that models take when they run: inertias, friction, springs, payload, gravity.
+
+A parameter is named by Python's own path into a robot. All parameters of a model are one vector
+θ (P,), and the mechanics with θ is that of the robot with the numbers in its tables.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from difflib import get_close_matches
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, join, transpose
+from parflex.base.check import finite, index_of
+from parflex.base.errors import InputError
+from parflex.robot.body import FlexibleBody, modal_masses
+from parflex.robot.leg import NOT_NEGATIVE
+from parflex.robot.robot import Robot
+
+OF_LINKS: dict[str, tuple[int, ...]] = {
+    "M": (), "MS": (3,), "I": (3, 3), "IA": (), "Fv": (), "Fs": (), "v_s": (), "k": (), "q_0": ()
+}  # fmt: skip
+OF_MODES = ("frequencies", "damping_ratio")
+GEOMETRY = re.compile(
+    r"(antecedent|sigma|mu|gamma|b|alpha|d|theta|r|q_min|q_max|rotation|origin|tips|offset|attachment|posture|"
+    r"home_pose|nodes|shapes|rotation_shapes|attachments)(\[.*)?"
+)
+LINK = re.compile(r"legs\[(\d+|\*)\]\.joints\[(\d+)\]\.(\w+)", re.ASCII)
+PAYLOAD = re.compile(r"platform\.payload\[(\d+)\]", re.ASCII)
+KINDS = (
+    "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(OF_LINKS) + ", "
+    "platform.frequencies, platform.damping_ratio, and platform.payload[node]; indices count from 0"
+)
+
+Values = Mapping[str, Any]
+
+
+class Parameter(NamedTuple):
+    """Some entries of θ: the number `field` of joint `number` of legs, of the platform, or gravity."""
+
+    name: str
+    field: str
+    shape: tuple[int, ...]
+    legs: tuple[int, ...] = ()
+    number: int = 0  # of a joint, or of the node that a payload is on
+
+    @property
+    def size(self) -> int:
+        """How many entries."""
+        return int(np.prod(self.shape, dtype=int))
+
+
+class Parameters:
+    """The named parameters of a robot, one after the other in θ (P,).
+
+    Raises InputError for names that are no parameters of the robot.
+    """
+
+    def __init__(self, robot: Robot, names: Sequence[str]) -> None:
+        if isinstance(names, str) or not isinstance(names, Sequence):
+            raise InputError(f"parameters is {type(names).__name__}; give a list of names: {KINDS}")
+        self.first = robot
+        self.items = tuple(parameter(robot, name) for name in names)
+        check_apart(self.items)
+        self.size = sum(item.size for item in self.items)
+        self.own = join([np.zeros(0), *(own_value(robot, item).reshape(-1) for item in self.items)])
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """As they were given."""
+        return tuple(item.name for item in self.items)
+
+    def vector(self, values: Values, others: Array) -> Array:
+        """θ (…, P) with some values, leading axes broadcast; the others as in θ (P,).
+
+        Raises InputError for other names, and values that the robot itself would refuse.
+        """
+        if not isinstance(values, Mapping):
+            raise InputError(f"parameters is {type(values).__name__}; give a dict of names and values")
+        for name in values:
+            if name not in self.names:
+                raise InputError(self._unknown(name))
+        parts = {item.name: part for item, part in self.split(others)}
+        for item in self.items:
+            if item.name in values:
+                parts[item.name] = checked(item, values[item.name])
+        flat = {
+            item.name: value.reshape(value.shape[: value.ndim - len(item.shape)] + (item.size,))
+            for item, value in zip(self.items, parts.values(), strict=True)
+        }
+        try:
+            return join([np.zeros(0), *flat.values()])
+        except ValueError:
+            said = ", ".join(f"{value.shape[:-1]} of {name}" for name, value in flat.items())
+            raise InputError(
+                f"parameters: the leading (batch) axes are {said}; they must broadcast together"
+            ) from None
+
+    def split(self, theta: Array) -> list[tuple[Parameter, Array]]:
+        """The parameters with their values (*shape) in θ (P,)."""
+        ends = np.cumsum([item.size for item in self.items])
+        return [
+            (item, theta[end - item.size : end].reshape(item.shape))
+            for item, end in zip(self.items, ends, strict=True)
+        ]
+
+    def _unknown(self, name: object) -> str:
+        """What to say of a value for something that is not among the parameters."""
+        if not self.names:
+            return (
+                f"parameters: {name!r} is given, but the model has none; name those that are to change when "
+                f"it is made, pf.Model(robot, parameters=[{name!r}])"
+            )
+        return f"parameters: {name!r} is none of this model{nearest(name, self.names)}; it has " + ", ".join(
+            self.names
+        )
+
+
+def parameter(robot: Robot, name: object) -> Parameter:
+    """The parameter of a name.
+
+    Raises InputError where the robot has none of that name.
+    """
+    text = name if isinstance(name, str) else ""
+    if text == "gravity":
+        return Parameter(text, text, (3,))
+    place, _, field = text.rpartition(".")
+    if place == "platform" and field in OF_MODES and robot.platform.modes:
+        return Parameter(text, field, (robot.platform.modes,))
+    if (found := PAYLOAD.fullmatch(text)) and int(found[1]) < len(robot.platform.nodes):
+        return Parameter(text, "payload", (), number=int(found[1]))
+    if (found := LINK.fullmatch(text)) and found[3] in OF_LINKS:
+        legs = tuple(range(len(robot.legs))) if found[1] == "*" else (int(found[1]),)
+        if all(i < len(robot.legs) and int(found[2]) < len(robot.legs[i].joints) for i in legs):
+            return Parameter(text, found[3], OF_LINKS[found[3]], legs, int(found[2]))
+    if GEOMETRY.fullmatch(field or text):
+        raise InputError(
+            f"parameters: {name!r} is geometry, which is folded into the compiled code; build another robot "
+            f"with it. Parameters are {KINDS}"
+        )
+    raise InputError(
+        f"parameters: {name!r} is no parameter of this robot{nearest(text, every_name(robot))}; there are "
+        f"{KINDS}. It has {len(robot.legs)} legs, {len(robot.platform.nodes)} nodes and "
+        f"{robot.platform.modes} modes"
+    )
+
+
+def every_name(robot: Robot) -> list[str]:
+    """The names of all parameters of a robot."""
+    deepest = max((len(leg.joints) for leg in robot.legs), default=0)
+    return [
+        "gravity",
+        *(f"platform.{field}" for field in OF_MODES if robot.platform.modes),
+        *(f"platform.payload[{node}]" for node in range(min(len(robot.platform.nodes), 100))),
+        *(f"legs[*].joints[{j}].{field}" for j in range(deepest) for field in OF_LINKS),
+        *(
+            f"legs[{i}].joints[{j}].{field}"
+            for i, leg in enumerate(robot.legs)
+            for j in range(len(leg.joints))
+            for field in OF_LINKS
+        ),
+    ]
+
+
+def nearest(name: object, known: Sequence[str]) -> str:
+    """A question that names what may have been meant; nothing where nothing is near."""
+    found = get_close_matches(str(name), known, 1)
+    return f" (did you mean {found[0]}?)" if found else ""
+
+
+def check_apart(items: Sequence[Parameter]) -> None:
+    """Raise InputError where two names stand for one number."""
+    taken: dict[object, str] = {}
+    for item in items:
+        for leg in item.legs or (-1,):
+            place = (item.field, leg, item.number)
+            if place in taken:
+                raise InputError(
+                    f"parameters: {taken[place]!r} and {item.name!r} are the same number; name it once"
+                )
+            taken[place] = item.name
+
+
+def own_value(robot: Robot, item: Parameter) -> Array:
+    """The value (*shape) that the robot itself has.
+
+    Raises InputError where legs that are to share one have different ones.
+    """
+    body = robot.platform
+    if item.field == "gravity":
+        return np.asarray(robot.gravity)
+    if item.field == "payload":
+        return np.zeros(())
+    if item.field in OF_MODES:
+        return modal_values(body)[OF_MODES.index(item.field)]
+    values = [np.asarray(getattr(robot.legs[leg].joints[item.number], item.field)) for leg in item.legs]
+    if not all(np.array_equal(value, values[0]) for value in values):
+        raise InputError(
+            f"parameters: {item.name!r} is one value for all legs, but theirs differ; name each leg"
+        )
+    return values[0]
+
+
+def modal_values(body: FlexibleBody) -> tuple[Array, Array]:
+    """Frequencies (N,) rad/s and damping ratios (N,) of a body.
+
+    Raises InputError for a mode that has damping and no stiffness.
+    """
+    m_kk = modal_masses(body.moments)
+    omega = np.sqrt(body.stiffness / m_kk)
+    still = omega == 0
+    lame = np.flatnonzero(still & (body.damping > 0))
+    if len(lame):
+        raise InputError(
+            f"parameters: mode {lame[0] + 1} of the platform has damping but no frequency, and so no damping "
+            f"ratio; give it a frequency"
+        )
+    return omega, np.where(still, 0.0, body.damping / np.where(still, 1.0, 2.0 * omega * m_kk))
+
+
+def checked(item: Parameter, value: Any) -> Array:
+    """A value (…, *shape) of a parameter; a damping ratio may be one for all modes, () or (…, 1).
+
+    Raises InputError as the robot itself would.
+    """
+    name = f"parameters[{item.name!r}]"
+    if item.field == "damping_ratio" and np.shape(value)[-1:] in ((), (1,)):
+        value = np.broadcast_to(finite(name, value), np.shape(value)[:-1] + item.shape)
+    array = finite(name, value, item.shape or None)
+    bad = np.broadcast_to(rule_broken(item.field, array), array.shape)
+    if np.any(bad):
+        raise InputError(f"{name} is {array[bad][0]}{index_of(bad)}; {rule_of(item.field)}")
+    return array
+
+
+def rule_broken(field: str, value: Array) -> Any:
+    """Where a value breaks the rule of its field."""
+    if field == "v_s":
+        return value <= 0
+    if field == "I":
+        size = np.max(np.abs(value), axis=(-2, -1), keepdims=True)
+        return np.abs(value - transpose(value)) > 1e-12 * size
+    return value < 0 if field in (*NOT_NEGATIVE, *OF_MODES, "payload") else False
+
+
+def rule_of(field: str) -> str:
+    """The rule in words."""
+    if field == "I":
+        return "it must be symmetric, with products of inertia as matrix entries"
+    return "it must be positive" if field == "v_s" else "it cannot be negative"

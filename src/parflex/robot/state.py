@@ -1,0 +1,112 @@
+"""The state of a robot, the loads on its platform, and how both are packed into flat vectors."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array, Given
+from parflex.base.check import finite, rotation_matrix
+from parflex.base.errors import InputError
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """Pose, twist and elastic coordinates of the platform; leading axes are batch axes.
+
+    position (…, 3) m and rotation (…, 3, 3) place Σp in Σ0; twist (…, 6) is (v_p, ω_p) in Σp,
+    m/s and rad/s; elastic and elastic_rate (…, N) are q_e and q̇_e (0: undeformed, at rest).
+
+    joints and joint_rates, one (…, n_i) per leg, matter to legs whose inverse geometry has no closed
+    form: Newton's method starts from them (by default from the leg's posture, with the rates that
+    the platform imposes). For other legs they may be None; where given they name the assembly branch
+    of a leg without a posture, and are checked against that of one with a posture.
+
+    Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
+    """
+
+    position: Given
+    rotation: Given
+    twist: Given = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    elastic: Given = 0.0
+    elastic_rate: Given = 0.0
+    joints: Given = None
+    joint_rates: Given = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "position", finite("State.position", self.position, (3,)))
+        object.__setattr__(self, "rotation", rotation_matrix("State.rotation", self.rotation))
+        object.__setattr__(self, "twist", finite("State.twist", self.twist, (6,)))
+        for name in ("elastic", "elastic_rate"):
+            object.__setattr__(self, name, finite(f"State.{name}", getattr(self, name)))
+        for name in ("joints", "joint_rates"):
+            object.__setattr__(self, name, per_leg(f"State.{name}", getattr(self, name)))
+        _ = self.batch  # the leading axes must broadcast
+
+    def __getitem__(self, index: Any) -> "State":
+        """States of a batch, chosen along its leading axes."""
+        batch = self.batch
+
+        def chosen(value: Any, core: int) -> Any:
+            if value is None or np.ndim(value) == 0:
+                return value
+            return np.broadcast_to(value, batch + np.shape(value)[-core:])[index]
+
+        parts = [chosen(value, core) for value, core in self._arrays()]
+        legs = [
+            None if values is None else tuple(chosen(value, 1) for value in values)
+            for values in (self.joints, self.joint_rates)
+        ]
+        return State(*parts, *legs)
+
+    @cached_property
+    def batch(self) -> tuple[int, ...]:
+        """The common leading axes."""
+        legs = [(value, 1) for values in (self.joints, self.joint_rates) for value in values or ()]
+        shapes = [value.shape[:-core] for value, core in (*self._arrays(), *legs) if value is not None]
+        if not any(shapes):
+            return ()
+        try:
+            return np.broadcast_shapes(*shapes)
+        except ValueError:
+            raise InputError(
+                f"State: the leading (batch) axes of position, rotation, twist, elastic, "
+                f"elastic_rate and joints are {shapes}; they must broadcast together"
+            ) from None
+
+    def _arrays(self) -> tuple[tuple[Any, int], ...]:
+        """The platform's fields, with the number of axes of one item."""
+        return (
+            (self.position, 1),
+            (self.rotation, 2),
+            (self.twist, 1),
+            (self.elastic, 1),
+            (self.elastic_rate, 1),
+        )
+
+
+def per_leg(name: str, values: Any) -> tuple[Array | None, ...] | None:
+    """One (…, n_i) array, or None, per leg."""
+    if values is None:
+        return None
+    if not isinstance(values, (list, tuple)):
+        raise InputError(f"{name} is {type(values).__name__}; give a tuple with one (…, n_i) per leg")
+    return tuple(
+        None if value is None else finite(f"{name}[{number}]", value, (None,))
+        for number, value in enumerate(values)
+    )
+
+
+def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:
+    """(…, N) of an elastic coordinate; a lone 0 stands for the undeformed platform."""
+    array = np.asarray(value)
+    if array.ndim == 0 and array == 0:
+        return np.zeros(modes)
+    if array.ndim == 0 or array.shape[-1] != modes:
+        raise InputError(
+            f"State.{name} has shape {array.shape}; this platform has {modes} modes, "
+            f"so the last axis must be {modes} long"
+        )
+    return array

@@ -1,0 +1,76 @@
+"""What a simulation leaves: a labelled dataset, saved as NetCDF-4."""
+
+import os
+from collections.abc import Callable
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from parflex.base.absent import absent
+from parflex.base.errors import InputError
+from parflex.base.writing import replacing
+from parflex.robot.state import State
+
+FORMAT = "parflex-result-1"
+
+
+class Result:
+    """A run: `dataset` (xarray), whether it is `partial`, and why it `stopped`."""
+
+    def __init__(self, make: Callable[[], xr.Dataset], stopped: str) -> None:
+        self._make = make
+        self.stopped = stopped  # why the run ended early; empty where it did not
+
+    @cached_property
+    def dataset(self) -> xr.Dataset:
+        """The run with labels and units; put together at the first look."""
+        return self._make()
+
+    @property
+    def partial(self) -> bool:
+        """Whether the run ended before its last output time."""
+        return bool(self.stopped)
+
+    def state(self, index: int) -> State:
+        """The state at an output time, with the legs' joints."""
+        at = self.dataset.isel(time=index)
+        names = ("position", "rotation", "twist", "elastic", "elastic_rate")
+        arrays: dict[str, Any] = {name: at[name].values for name in names}
+        for name in ("joint", "joint_rate"):
+            if name in at:
+                arrays[f"{name}s"] = tuple(row[np.isfinite(row)] for row in at[name].values)
+        return State(**arrays)
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the dataset as NetCDF-4, whole or not at all; an older file is replaced.
+
+        Raises InputError where the file cannot be written.
+        """
+        target = Path(path)
+        with replacing(target) as part:
+            self.dataset.to_netcdf(part, engine="h5netcdf")
+        return target
+
+
+def load_result(path: str | os.PathLike[str]) -> Result:
+    """A result that `Result.save` wrote.
+
+    Raises InputError where the file is missing, truncated, or not a parflex result.
+    """
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as opened:
+            dataset = opened.load()
+    except FileNotFoundError:
+        raise InputError(absent(Path(path))) from None
+    except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
+        reason = str(error).split(" (")[0].splitlines()[0] if str(error) else type(error).__name__
+        raise InputError(f"{path} is damaged or no NetCDF-4 file: {reason}") from None
+    if dataset.attrs.get("format") != FORMAT:
+        raise InputError(
+            f"{path} is no result of this version of parflex (format "
+            f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
+        )
+    return Result(lambda: dataset, str(dataset.attrs["stopped"]))

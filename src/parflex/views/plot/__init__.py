@@ -1,0 +1,30 @@
+"""Pictures of results and modes. They compute nothing: labels and units come from the data."""
+
+from parflex.views.plot.canvas import drawn, figure, save
+from parflex.views.plot.robot import robot_at
+from parflex.views.plot.runs import (
+    accelerations,
+    actuator_forces,
+    attachment_deformation,
+    energy,
+    origin_deformation,
+    over_time,
+)
+from parflex.views.plot.shapes import frequency_table, mode_shapes, shapes_of, stress
+
+__all__ = [
+    "accelerations",
+    "actuator_forces",
+    "attachment_deformation",
+    "drawn",
+    "energy",
+    "figure",
+    "frequency_table",
+    "mode_shapes",
+    "origin_deformation",
+    "over_time",
+    "robot_at",
+    "save",
+    "shapes_of",
+    "stress",
+]

@@ -1,0 +1,96 @@
+"""What can be checked of a result by itself: identities that its variables must fulfil."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from parflex.base.array import Array
+
+LEDGER = ("kinetic", "gravity", "strain", "springs", "dissipated", "actuators", "wrenches")
+
+
+class Check(NamedTuple):
+    """What was measured against what, the bound it must keep, and in words how."""
+
+    what: str
+    how: str
+    found: float
+    bound: float
+    units: str = ""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the bound is kept; not a number keeps none."""
+        return bool(self.found <= self.bound)
+
+
+def checks_of(data: xr.Dataset) -> list[Check]:
+    """Every check that the result has the variables for."""
+    return [check(data) for check, needed in ALL_CHECKS.items() if all(name in data for name in needed)]
+
+
+def finite(data: xr.Dataset) -> Check:
+    """No hole in the state."""
+    state = [name for name in ("position", "rotation", "twist", "elastic", "elastic_rate") if name in data]
+    holes = sum(int(np.sum(~np.isfinite(data[name].values))) for name in state)
+    return Check("numbers that are not finite", "in position, rotation, twist, elastic coordinates", holes, 0)
+
+
+def balance(data: xr.Dataset) -> Check:
+    """Energies and works, integrated beside the motion, add up."""
+    terms = [data[f"energy_{name}"].values for name in LEDGER if f"energy_{name}" in data]
+    largest = max(float(np.max(np.abs(term - term[0]))) for term in terms) or 1.0
+    found = float(np.max(np.abs(data["energy_residual"].values))) / largest
+    how = "stored energy + dissipation − work of actuators and wrenches, over the largest change of a term"
+    return Check("energy balance", how, found, 1e-6)
+
+
+def orthonormal(data: xr.Dataset) -> Check:
+    """RᵀR = 1."""
+    R = data["rotation"].values
+    found = float(np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3))))
+    return Check("rotation matrices", "largest entry of RᵀR − 1", found, 1e-9)
+
+
+def closed(data: xr.Dataset) -> Check:
+    """The legs, by their joints, end where the platform, by its pose and its bending, is held."""
+    ends = data["leg_path"].values[:, :, -1]
+    held = data["attachment_position"].values[:, data["path_attachment"].values - 1]
+    found = float(np.max(np.linalg.norm(ends - held, axis=-1), initial=0.0))
+    how = "largest distance of a leg's tip, by its joints, from its attachment on the bent platform"
+    return Check("legs hold the platform", how, found, 1e-6 * size(data), "m")
+
+
+def body_fixed(data: xr.Dataset) -> Check:
+    """Attachments less their deformation do not move in the platform."""
+    away = data["attachment_position"].values - data["position"].values[:, None]
+    inside = np.einsum("tij,tki->tkj", data["rotation"].values, away) - data["attachment_deformation"].values
+    found = float(np.max(np.abs(inside - inside[0]), initial=0.0))
+    how = "largest motion, in the platform's frame, of an attachment less its deformation"
+    return Check("pose and deformation agree", how, found, 1e-9 * size(data), "m")
+
+
+def bent_little(data: xr.Dataset) -> Check:
+    """Small against the platform, as linear elasticity wants it."""
+    bend = np.linalg.norm(data["attachment_deformation"].values, axis=-1)
+    found = float(np.max(bend, initial=0.0)) / size(data)
+    how = "largest deformation at an attachment over the platform's size; modes are of a linear platform"
+    return Check("deformation is small", how, found, 0.1)
+
+
+def size(data: xr.Dataset) -> float:
+    """The longest side of the box about the platform's attachments, m."""
+    places: Array = data["attachment_position"].values[0]
+    return float(np.max(np.ptp(places, axis=0), initial=0.0)) or 1.0
+
+
+ALL_CHECKS: dict[Callable[[xr.Dataset], Check], tuple[str, ...]] = {
+    finite: ("position",),
+    orthonormal: ("rotation",),
+    closed: ("leg_path", "path_attachment", "attachment_position"),
+    body_fixed: ("attachment_position", "attachment_deformation", "position", "rotation"),
+    balance: ("energy_residual",),
+    bent_little: ("attachment_deformation", "attachment_position"),
+}

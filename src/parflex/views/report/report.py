@@ -1,0 +1,172 @@
+"""The report of a result: facts, modes, figures, energies, checks, versions and the robot file."""
+
+import base64
+import os
+from datetime import UTC, datetime
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from jinja2 import Environment
+
+from parflex.base.errors import InputError
+from parflex.base.version import __version__
+from parflex.base.versions import versions
+from parflex.simulation.result import Result
+from parflex.views import plot
+from parflex.views.report.checks import LEDGER, checks_of
+from parflex.views.sketch import instant_of_largest_bend, sketch_of
+from parflex.views.viewer.opening import Opened, opened
+from parflex.views.viewer.scene import finite_part
+
+SETTINGS = {
+    "integrator": "integrator",
+    "rtol": "relative tolerance",
+    "atol": "absolute tolerance",
+    "max_step": "largest step (s)",
+    "backend": "backend",
+    "parflex_version": "simulated with parflex",
+}
+
+
+PICTURED = (
+    "rotation", "position", "elastic", "platform_node", "platform_shape", "attachment_position",
+    "attachment_deformation", "leg_path", "path_attachment", "path_leg", "motor_position",
+)  # fmt: skip
+
+
+def report_of(path: str | os.PathLike[str]) -> str:
+    """The report of a file that `Result.save` wrote, as one HTML text that needs nothing else.
+
+    Raises InputError where the file cannot be read or holds no run.
+    """
+    source = Path(path)
+    result = opened(source)
+    if not result.dataset.sizes.get("time"):
+        raise InputError(f"{source} holds no run: it has no instants; give the result of a simulation")
+    template = resources.files(__package__).joinpath("report.html").read_text(encoding="utf-8")
+    return (
+        Environment(autoescape=True, trim_blocks=True).from_string(template).render(contents(result, source))
+    )
+
+
+def contents(result: Opened, source: Path) -> dict[str, Any]:
+    """What the template tells."""
+    data = result.dataset
+    notes = [*result.notes, *lines(data, "notes"), *lines(data, "beyond_limits")]
+    return {
+        "title": data.attrs.get("robot") or source.stem,
+        "file": source.name,
+        "written": f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
+        "parflex": __version__,
+        "notes": notes,
+        "facts": facts(data),
+        "numbers": numbers(data),
+        "picture": robot_picture(data),
+        "modes": modes(data),
+        "shapes": picture(plot.shapes_of(as_result(data))) if drawable(data) else "",
+        "figures": {words: picture(fig) for words, fig in plot.over_time(as_result(data)).items()},
+        "ledger": ledger(data),
+        "checks": checks_of(data),
+        "versions": versions(),
+        "robot": str(data["robot_file"].values) if "robot_file" in data else "",
+    }
+
+
+def as_result(data: xr.Dataset) -> Result:
+    """The dataset as the figures take it."""
+    return Result(lambda: data, str(data.attrs.get("stopped", "")))
+
+
+def lines(data: xr.Dataset, name: str) -> list[str]:
+    """An attribute of several lines."""
+    return str(data.attrs.get(name, "")).splitlines()
+
+
+def picture(figure: Any) -> str:
+    """A figure as the source of an image."""
+    return f"data:image/svg+xml;base64,{base64.b64encode(plot.drawn(figure).svg.encode()).decode()}"
+
+
+def robot_picture(data: xr.Dataset) -> str:
+    """The robot where it bends most; empty where the result does not tell enough of it."""
+    whole = finite_part(data)
+    if whole is None or not set(PICTURED) <= set(data):
+        return ""
+    data = whole
+    index = instant_of_largest_bend(as_result(data))
+    when = f"t = {float(data['time'][index]):.3g} s"
+    return picture(plot.robot_at(sketch_of(as_result(data), index), when))
+
+
+def drawable(data: xr.Dataset) -> bool:
+    """Whether the platform is a flat surface whose modes can be drawn."""
+    if not {"platform_triangle", "platform_node", "platform_shape"} <= set(data) or not data.sizes["mode"]:
+        return False
+    nodes = data["platform_node"].values
+    return float(np.ptp(nodes[:, 2])) < 1e-6 * float(np.max(np.ptp(nodes, axis=0)))
+
+
+def facts(data: xr.Dataset) -> dict[str, str]:
+    """What was simulated, and how."""
+    t = data["time"].values
+    found = {"duration": f"{t[-1] - t[0]:.6g} s, {len(t)} instants"}
+    if "leg_station" in data:
+        words = ["".join(w for w in row[1:] if w and w != "tip") for row in data["leg_station"].values]
+        found["legs"] = (
+            f"{data.sizes['leg']}: {', '.join(sorted(set(words)))} (* driven), spherical at the tip"
+        )
+    if "actuator" in data.sizes:
+        found["motors"] = str(data.sizes["actuator"])
+    found["platform"] = f"{data.sizes['mode']} elastic modes" if data.sizes.get("mode") else "rigid"
+    if "gravity" in data.attrs:
+        found["gravity"] = f"({', '.join(f'{g:.4g}' for g in np.ravel(data.attrs['gravity']))}) m/s²"
+    return found | {words: str(data.attrs[name]) for name, words in SETTINGS.items() if name in data.attrs}
+
+
+def numbers(data: xr.Dataset) -> dict[str, str]:
+    """What a run is judged by first."""
+    found = {}
+    if "forces" in data:
+        largest = np.max(np.abs(data["forces"].values), axis=0)
+        worst = int(np.argmax(largest))
+        who = str(data["actuator_name"].values[worst]) if "actuator_name" in data else f"motor {worst + 1}"
+        found["largest actuator force"] = (
+            f"{float(largest[worst]):.5g} {data['forces'].attrs.get('units', '')} ({who})"
+        )
+    if "contact_forces" in data:
+        largest_contact = np.linalg.norm(data["contact_forces"].values, axis=-1).max(initial=0.0)
+        found["largest force at a spherical joint"] = f"{largest_contact:.5g} N"
+    if "attachment_deformation" in data:
+        bend = np.linalg.norm(data["attachment_deformation"].values, axis=-1).max(initial=0.0)
+        found["largest deformation at an attachment"] = f"{1e3 * bend:.4g} mm"
+    if "pose_error" in data:
+        pose = abs(data["pose_error"]).max("time").values
+        found["largest position error"] = f"{pose[:3].max():.2g} m"
+        found["largest attitude error"] = f"{pose[3:].max():.2g} rad"
+    return found
+
+
+def modes(data: xr.Dataset) -> list[tuple[str, ...]]:
+    """Number, rad/s, Hz and damping ratio of each mode."""
+    if "frequency" not in data:
+        return []
+    ratio = data["damping_ratio"].values if "damping_ratio" in data else np.full(data.sizes["mode"], np.nan)
+    pairs = zip(data["frequency"].values, ratio, strict=True)
+    return [
+        (str(k), f"{omega:.2f}", f"{omega / (2 * np.pi):.2f}", f"{zeta:.3g}")
+        for k, (omega, zeta) in enumerate(pairs, start=1)
+    ]
+
+
+def ledger(data: xr.Dataset) -> list[tuple[str, ...]]:
+    """Each energy in words: at the start, at the end, least and most, J."""
+    rows = []
+    for name in (*LEDGER, "residual"):
+        if f"energy_{name}" in data:
+            term = data[f"energy_{name}"]
+            values = term.values[[0, -1]].tolist() + [float(term.min()), float(term.max())]
+            rows.append((str(term.attrs.get("long_name", name)), *(f"{value:.5g}" for value in values)))
+    return rows

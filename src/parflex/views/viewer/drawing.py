@@ -1,0 +1,119 @@
+"""The scene in K3D, which draws in the browser; its JavaScript comes inside its own wheel."""
+
+from typing import Any
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.views.viewer.colours import Colouring
+from parflex.views.viewer.parts import Part
+from parflex.views.viewer.scene import Platform, Scene
+from parflex.views.viewer.solids import Solid
+
+Ids = tuple[Any, dict[str, int], list[list[int]]]
+
+PLAIN = 0xBFD7E8
+GRID = 0xC9D1D9
+VIEW = np.array([0.62, -1.25, 0.62])  # from where to look, times the size of what is seen
+
+
+def k3d() -> Any:
+    """The library; raises InputError where it is not installed."""
+    try:
+        import k3d
+    except ImportError:
+        raise InputError(
+            'the viewer needs k3d, which is not installed: pip install "parflex[view]"'
+        ) from None
+    return k3d
+
+
+def drawn(scene: Scene) -> Ids:
+    """The plot, the id of the platform in each colouring, and the ids of each part's solids."""
+    library = k3d()
+    plot = library.plot(
+        grid_visible=False,
+        camera_auto_fit=False,
+        menu_visibility=False,
+        antialias=0,
+        logarithmic_depth_buffer=False,
+        axes_helper=0,
+        camera_fov=32,
+        camera_mode="orbit",
+        colorbar_object_id=0,
+        background_color=0xFFFFFF,
+        lighting=1.7,
+        name="parflex",
+    )
+    plates = {name: plate(library, scene.platform, each) for name, each in scene.colourings.items()}
+    parts = [[solid(library, part, each) for each in part.solids] for part in scene.parts]
+    for each in [*plates.values(), *(one for part in parts for one in part), ground(library, scene.bounds)]:
+        plot += each
+    plot.camera = camera(scene.bounds)
+    return (
+        plot,
+        {name: each.id for name, each in plates.items()},
+        [[one.id for one in part] for part in parts],
+    )
+
+
+def plate(library: Any, platform: Platform, colouring: Colouring) -> Any:
+    """The platform with a colour value from 0 to 1 at each node; by its nodes where it has no surface."""
+    values = {}
+    if len(platform.shapes):
+        stops = np.linspace(0, 1, len(colouring.colours))[:, None]
+        colours = np.concatenate([stops, np.array(colouring.colours) / 255], axis=1)
+        values = {
+            "attribute": np.full(len(platform.nodes), 0.5, dtype=np.float32),
+            "color_map": colours.astype(np.float32).ravel(),
+            "color_range": [0.0, 1.0],
+        }
+    nodes = platform.nodes.astype(np.float32)
+    if platform.triangles is None:
+        size = 0.03 * platform.size
+        return library.points(nodes, point_size=size, shader="3d", color=PLAIN, name="platform", **values)
+    return library.mesh(
+        nodes,
+        platform.triangles.astype(np.uint32),
+        color=PLAIN,
+        flat_shading=False,
+        side="double",
+        roughness=0.9,
+        name="platform",
+        **values,
+    )
+
+
+def solid(library: Any, part: Part, shape: Solid) -> Any:
+    """One solid of a part, where it stands or for the page to place."""
+    place = np.eye(4) if part.still is None else part.still
+    return library.mesh(
+        shape.vertices.astype(np.float32),
+        shape.triangles.astype(np.uint32),
+        normals=shape.normals.astype(np.float32),
+        color=part.colour,
+        flat_shading=False,
+        roughness=0.6,
+        model_matrix=place.astype(np.float32),
+    )
+
+
+def ground(library: Any, bounds: Array) -> Any:
+    """A grid of lines below everything, a square of some ten cells."""
+    (x0, y0, z), (x1, y1, _) = bounds
+    cell = 10.0 ** np.floor(np.log10(max(x1 - x0, y1 - y0, 1e-3))) / 2
+    low = np.floor(np.array([x0, y0]) / cell - 1).astype(int)
+    high = np.ceil(np.array([x1, y1]) / cell + 1).astype(int)
+    xs, ys = (np.arange(low[i], high[i] + 1) * cell for i in range(2))
+    lines = [[(x, ys[0], z), (x, ys[-1], z)] for x in xs] + [[(xs[0], y, z), (xs[-1], y, z)] for y in ys]
+    ends = np.array(lines, dtype=np.float32).reshape(-1, 3)
+    pairs = np.arange(len(ends), dtype=np.uint32).reshape(-1, 2)
+    return library.lines(ends, pairs, indices_type="segment", shader="simple", color=GRID, name="ground")
+
+
+def camera(bounds: Array) -> list[float]:
+    """Position, target, and what is up."""
+    middle = bounds.mean(axis=0)
+    size = float(np.linalg.norm(bounds[1] - bounds[0]))
+    return [*(middle + 1.35 * size * VIEW), *middle, 0.0, 0.0, 1.0]

@@ -1,0 +1,122 @@
+"""A result as far as it can be read, and what is missing from it, in words."""
+
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from parflex.base.absent import absent
+from parflex.base.errors import InputError
+from parflex.simulation.result import FORMAT
+from parflex.views.viewer.layout import misfits
+
+NEEDED = ("position", "rotation")  # without these there is no robot to draw
+TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
+
+PER_INSTANT = (
+    "position", "rotation", "elastic", "leg_path", "leg_axis", "attachment_position",
+    "attachment_deformation", "contact_forces",
+)  # fmt: skip
+WORDS = {
+    "time": "the instants",
+    "position": "where the platform is",
+    "rotation": "how the platform is turned",
+    "leg_path": "the legs' points",
+    "leg_axis": "the joints' axes",
+    "leg_station": "the kinds of the joints",
+    "path_leg": "whose the legs' points are",
+    "path_attachment": "what the legs hold",
+    "attachment_position": "where the legs hold the platform",
+    "attachment_deformation": "the deformation where the legs hold the platform",
+    "contact_forces": "the forces at the joints",
+    "elastic": "the elastic coordinates",
+    "platform_node": "the platform's nodes",
+    "platform_shape": "the platform's mode shapes",
+    "platform_triangle": "the platform's surface",
+    "frequency": "the natural frequencies",
+}
+
+
+class Opened(NamedTuple):
+    """What is left of a result, and a sentence for each thing that is not as it should be."""
+
+    dataset: xr.Dataset
+    notes: tuple[str, ...]
+
+    @staticmethod
+    def nothing(why: str) -> "Opened":
+        """What is shown where there is nothing to show."""
+        return Opened(xr.Dataset(), (why,))
+
+
+def opened(path: Path) -> Opened:
+    """The result in a file: whole, partial, of another version, with variables missing.
+
+    Raises InputError where the file is missing or cannot be read; of one that was cut off nothing can,
+    since HDF5 keeps its index at the end.
+    """
+    if path.is_dir():
+        raise InputError(f"{path} is a folder; give a result in it, {path / 'result.nc'} for instance")
+    try:
+        with xr.open_dataset(path, engine="h5netcdf") as data:
+            loaded = data.load()
+    except FileNotFoundError:
+        raise InputError(absent(path)) from None
+    except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
+        raise InputError(f"{path} {damage(str(error) or type(error).__name__)}") from None
+    return judged(loaded)
+
+
+def damage(words: str) -> str:
+    """What is wrong with a file, from the words of the HDF5 reader."""
+    cut = TRUNCATED.search(words)
+    if cut:
+        return (
+            f"is truncated: {cut[1]} of its {cut[2]} bytes are there, and its index, which stood at the end, "
+            f"is not; copy it again, or run the simulation again"
+        )
+    reason = re.search(r"\(([^()]*)\)", words.splitlines()[0])
+    return f"is damaged or no NetCDF-4 file: {reason[1] if reason else words.splitlines()[0]}"
+
+
+def judged(dataset: xr.Dataset) -> Opened:
+    """A dataset with what is to be said about it."""
+    notes = []
+    version = dataset.attrs.get("format")
+    if version != FORMAT:
+        notes.append(
+            f"This file has format {version!r}, this parflex reads {FORMAT!r}: what both know is shown."
+        )
+    if dataset.attrs.get("partial"):
+        why = dataset.attrs.get("stopped") or "for a reason that the file does not tell"
+        notes.append(f"Partial: the run stopped {why}.")
+    strange = misfits(dataset)
+    if strange:
+        notes.append(f"Not what a result has there, and left out: {named(strange)}.")
+    notes += incomplete(dataset, strange)
+    return Opened(dataset.drop_vars(strange), tuple(notes))
+
+
+def named(variables: list[str]) -> str:
+    """Variables in words, with their names."""
+    return ", ".join(f"{WORDS[name]} ({name})" if name in WORDS else name for name in variables)
+
+
+def incomplete(dataset: xr.Dataset, strange: list[str]) -> list[str]:
+    """A sentence about what the view needs and the file lacks, and one about numbers that are none."""
+    if not dataset.sizes.get("time", 1):
+        return ["No instants: the run ended before its first."]
+    lost = [name for name in WORDS if name not in dataset]
+    notes = []
+    if "platform_triangle" in {*lost, *strange}:
+        lost = [name for name in lost if name != "platform_triangle"]
+        notes.append("No platform mesh (platform_triangle): the platform is shown by its nodes.")
+    if lost:
+        notes.append(f"Missing: {named(lost)}.")
+    there = [name for name in PER_INSTANT if name in dataset and name not in strange]
+    broken = [name for name in there if not np.all(np.isfinite(dataset[name]))]
+    if broken:
+        notes.append(f"Not finite at some instants, which are left out: {named(broken)}.")
+    return notes

@@ -1,0 +1,173 @@
+"""A result as one HTML file that plays offline: K3D's own snapshot with our controls about it."""
+
+import base64
+import html
+import json
+import os
+import zlib
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from jinja2 import Environment
+
+from parflex.base.array import Array
+from parflex.base.writing import replacing
+from parflex.simulation.result import Result
+from parflex.views import plot
+from parflex.views.viewer.drawing import drawn
+from parflex.views.viewer.opening import Opened, judged, opened
+from parflex.views.viewer.scene import MOST_INSTANTS, Scene, scene_of
+from parflex.views.viewer.stress import with_stress
+
+SPEEDS = (0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5)
+CANVAS = '<div id="canvasTarget"></div>'  # where K3D draws, in its snapshot and in our page
+EMPTY = f"<!doctype html><html><head></head><body>{CANVAS}</body></html>"
+
+AGAIN = '<meta http-equiv="refresh" content="2">'  # looks whether there is a robot by now
+
+
+class View:
+    """A moving robot in a page: shown by notebooks, written by `save`; `html` is its text."""
+
+    def __init__(self, text: str) -> None:
+        self.html = text
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write the page, whole or not at all; raises InputError where it cannot be written."""
+        target = Path(path)
+        with replacing(target) as part:
+            part.write_text(self.html, encoding="utf-8")
+        return target
+
+    def _repr_html_(self) -> str:
+        """The page in a frame of its own, for notebooks."""
+        style = "width:100%;height:640px;border:1px solid #d8dee5"
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="{style}" title="robot"></iframe>'
+
+
+def view(
+    result: Result | str | os.PathLike[str],
+    curves: bool = True,
+    modes: str | os.PathLike[str] | None = None,
+) -> View:
+    """The robot of a result, or of a file that `Result.save` wrote, moving in a page.
+
+    The page is one HTML text that needs nothing else; it bends the platform itself, from the mode shapes and
+    the elastic coordinates. `curves` puts the figures of the run beside it; `modes`, the modal
+    file of a platform with elements, lets it be coloured by von Mises stress. What a file lacks
+    is said in it.
+
+    Raises InputError where a file cannot be read, modes are of another platform, or k3d is not installed.
+    """
+    found = judged(result.dataset) if isinstance(result, Result) else opened(Path(result))
+    name = "" if isinstance(result, Result) else Path(result).name
+    if modes is not None:
+        found = found._replace(dataset=with_stress(found.dataset, Path(modes)))
+    return View(page_of(found, name, curves))
+
+
+def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "", stamp: str = "") -> str:
+    """The page of a result; `live` is where it asks whether its file has another time stamp by now."""
+    scene = scene_of(result)
+    body: dict[str, Any] = {
+        "title": result.dataset.attrs.get("robot") or name or "Parallel robot",
+        "facts": facts_of(result, name),
+        "notes": notes_of(result, scene),
+        "curves": figures_of(result) if curves else [],
+        "speeds": SPEEDS,
+        "meta": None,
+    }
+    if scene is None:
+        return assembled(EMPTY.replace("<head>", f"<head>{AGAIN}") if live else EMPTY, body, "")
+    snapshot, ids, parts = drawn(scene)
+    layout, data = packed(scene.arrays)
+    meta = scene.meta | {
+        "plates": ids,
+        "parts": [part.moves | {"ids": own} for part, own in zip(scene.parts, parts, strict=True)],
+        "colourings": {key: each.for_page() for key, each in scene.colourings.items()},
+        "colouring": next(iter(scene.colourings)),
+        "arrays": layout,
+        "speed": 1,
+        "playing": True,
+        "live": live,
+        "stamp": stamp,
+    }
+    code = f"(async (K3D) => {{\n{ours('viewer.js')}\n}})(K3DInstance).catch(window.parflexFailed);"
+    return assembled(snapshot.get_snapshot(additional_js_code=code), body | {"meta": meta}, data)
+
+
+def assembled(snapshot: str, body: dict[str, Any], data: str) -> str:
+    """K3D's page with our head, and our body about its canvas."""
+    page = Environment(autoescape=True, trim_blocks=True).from_string(ours("body.html")).render(body)
+    title = html.escape(f"{body['title']} · parflex")
+    meta = json.dumps(body["meta"]).replace("<", "\\u003c")
+    head = (
+        '<link rel="icon" href="data:,"><meta name="viewport" content="width=device-width, initial-scale=1">'
+        f"<title>{title}</title>"
+        f"<style>{ours('viewer.css')}</style><script>{ours('failures.js')}</script>"
+    )
+    held = (
+        f'<script type="application/json" id="parflex-meta">{meta}</script>'
+        f'<script type="text/plain" id="parflex-data">{data}</script>'
+    )
+    start, end = snapshot.index("<title>") if "<title>" in snapshot else 0, snapshot.find("</title>")
+    if end > 0:
+        snapshot = snapshot[:start] + snapshot[end + len("</title>") :]
+    snapshot = snapshot.replace("</head>", f"{head}</head>", 1)
+    return snapshot.replace(CANVAS, f"{page}{held}", 1)
+
+
+def ours(name: str) -> str:
+    """A file of the page."""
+    return resources.files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
+
+
+def packed(arrays: dict[str, Array]) -> tuple[dict[str, dict[str, int]], str]:
+    """Where each array begins, and how long it is, in bytes that are single floats, deflated, in base 64."""
+    layout, pieces, offset = {}, [], 0
+    for name, values in arrays.items():
+        piece = np.ascontiguousarray(values, dtype="<f4")
+        layout[name] = {"offset": offset, "length": piece.size}
+        pieces.append(piece.tobytes())
+        offset += piece.nbytes
+    return layout, base64.b64encode(zlib.compress(b"".join(pieces), 9)).decode()
+
+
+def facts_of(result: Opened, name: str) -> list[str]:
+    """What was simulated, in a few words each."""
+    data = result.dataset
+    facts = [name] if name else []
+    if not data:
+        return facts
+    if data.sizes.get("leg") and data.sizes.get("actuator"):
+        facts.append(f"{data.sizes['leg']} legs, {data.sizes['actuator']} motors")
+    modes = data.sizes.get("mode", 0)
+    facts.append(f"{modes} elastic modes" if modes else "rigid platform")
+    if data.sizes.get("time") and "time" in data.coords:
+        facts.append(f"{float(data['time'][-1] - data['time'][0]):.4g} s simulated")
+    return [*facts, f"parflex {data.attrs.get('parflex_version', '?')}"]
+
+
+def notes_of(result: Opened, scene: Scene | None) -> list[str]:
+    """What the reader must know about the view."""
+    notes, count = list(result.notes), result.dataset.sizes.get("time", 0)
+    if scene is not None and count > MOST_INSTANTS:
+        notes.append(f"{scene.meta['instants']} of the {count} instants are in this page.")
+    return notes
+
+
+def figures_of(result: Opened) -> list[dict[str, Any]]:
+    """The figures of the run, with the places of their cursors in percent."""
+    figures: list[dict[str, Any]] = []
+    if not result.dataset.sizes.get("time"):
+        return figures
+    for words, figure in plot.over_time(Result(lambda: result.dataset, "")).items():
+        svg, boxes = plot.drawn(figure)
+        places = [
+            {"low": left, "high": right, "top": 100 * (1 - top), "height": 100 * (top - bottom)}
+            for left, bottom, right, top in boxes
+        ]
+        figures.append({"title": words, "data": base64.b64encode(svg.encode()).decode(), "boxes": places})
+    return figures

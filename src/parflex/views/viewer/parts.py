@@ -1,0 +1,156 @@
+"""The parts of the legs, from the points and the axes of their joints: what stands where, and how big."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from parflex.base.array import Array
+from parflex.views.viewer.solids import Solid, ball, cone, cylinder, drum
+
+STEEL, DARK, MOTOR, FORCE = 0x9AA5B1, 0x525E6B, 0xD55E00, 0x009E73
+
+
+class Part(NamedTuple):
+    """Solids of one colour, and for the page what moves them: a kind of placing with its numbers.
+
+    `still` (4, 4) places a part that does not move. Indices count points of all paths, path by path.
+    """
+
+    solids: tuple[Solid, ...]
+    colour: int
+    moves: dict[str, Any]
+    still: Array | None = None
+
+
+class Legs(NamedTuple):
+    """The stations of the legs' paths."""
+
+    points: Array  # (T, P, S, 3) m in the world
+    axes: Array  # (T, P, S, 3)
+    words: Array  # (P, S): base, R or P for a joint, with a star where there is a motor, tip, or empty
+    owners: Array  # (P,), the leg of each path
+    width: float  # m, the radius of a rod
+
+
+def legs_of(data: xr.Dataset) -> Legs | None:
+    """The legs of a result, or None where it holds none; rods are as thick as the robot is big."""
+    names = ("leg_path", "leg_axis", "leg_station", "path_leg")
+    if not {*names, "path_attachment", "attachment_deformation"} <= set(data):
+        return None
+    points, axes, words, owners = (data[name].values for name in names)
+    extent = np.ptp(points.reshape(-1, 3), axis=0) if points.size else np.zeros(3)
+    return Legs(points, axes, words, owners, 0.005 * float(np.linalg.norm(extent)))
+
+
+def parts_of(legs: Legs) -> list[Part]:
+    """Rods, joints and motors; what two paths of a leg share is there once."""
+    parts: list[Part] = []
+    for p, row in enumerate(legs.words):
+        for s, word in enumerate(row):
+            if word and not shared(legs, p, s):
+                parts += station(legs, p, s)
+    return parts
+
+
+def station(legs: Legs, p: int, s: int) -> list[Part]:
+    """What stands at a station, and what leads to it."""
+    word = str(legs.words[p, s])
+    if word == "base":
+        return [] if slides(legs, p, s + 1) else [pedestal(legs, p)]
+    if word == "tip":
+        return [*rod(legs, p, s), solid(legs, p, s, ball(), DARK, 1.9)]
+    colour = MOTOR if word.endswith("*") else DARK
+    if word.startswith("R"):
+        return [*rod(legs, p, s), pin(legs, p, s, colour)]
+    if s == 1:
+        return [rail(legs, p, s), solid(legs, p, s, drum(), colour, 2.6)]
+    return [*rod(legs, p, s), *sleeve(legs, p, s, colour)]
+
+
+def shared(legs: Legs, p: int, s: int) -> bool:
+    """Whether an earlier path of the same leg has been here too."""
+    earlier = [k for k in range(p) if legs.owners[k] == legs.owners[p]]
+    return any(
+        np.array_equal(legs.words[k, : s + 1], legs.words[p, : s + 1])
+        and np.array_equal(legs.points[:, k, : s + 1], legs.points[:, p, : s + 1])
+        for k in earlier
+    )
+
+
+def slides(legs: Legs, p: int, s: int) -> bool:
+    """Whether a sliding joint is there."""
+    return str(legs.words[p, s]).startswith("P")
+
+
+def index(legs: Legs, p: int, s: int) -> int:
+    """The number of a station among those of all paths."""
+    return p * legs.points.shape[2] + s
+
+
+def distance(legs: Legs, p: int, s: int) -> Array:
+    """From the station before, (T,) m."""
+    return np.asarray(np.linalg.norm(legs.points[:, p, s] - legs.points[:, p, s - 1], axis=-1))
+
+
+def rod(legs: Legs, p: int, s: int) -> list[Part]:
+    """From the station before to this one, where they are apart."""
+    if np.max(distance(legs, p, s), initial=0.0) < 0.5 * legs.width:
+        return []
+    moves = {"kind": "link", "from": index(legs, p, s - 1), "to": index(legs, p, s), "width": legs.width}
+    return [Part((cylinder(),), STEEL, moves)]
+
+
+def sleeve(legs: Legs, p: int, s: int, colour: int) -> list[Part]:
+    """The outer tube of a telescope, as long as the shortest slide."""
+    length = 0.8 * float(np.min(distance(legs, p, s), initial=np.inf))
+    if not legs.width < length < np.inf:
+        return [solid(legs, p, s, drum(), colour, 2.6)]
+    moves = {"kind": "link", "from": index(legs, p, s - 1), "to": index(legs, p, s)}
+    return [Part((cylinder(),), colour, moves | {"width": 1.8 * legs.width, "length": length})]
+
+
+def pin(legs: Legs, p: int, s: int, colour: int) -> Part:
+    """A turning joint, along its axis."""
+    moves = {"kind": "pin", "at": index(legs, p, s), "width": 1.7 * legs.width, "length": 5.5 * legs.width}
+    return Part((cylinder(),), colour, moves)
+
+
+def solid(legs: Legs, p: int, s: int, shape: Solid, colour: int, times: float) -> Part:
+    """A solid about a station, so many times as wide as a rod, along the axis there."""
+    return Part((shape,), colour, {"kind": "solid", "at": index(legs, p, s), "width": times * legs.width})
+
+
+def pedestal(legs: Legs, p: int) -> Part:
+    """Where a leg stands: a flat drum that does not move."""
+    place = np.eye(4)
+    place[:3, :3] = np.diag([3.2, 3.2, 0.7]) * legs.width
+    place[:3, 3] = legs.points[0, p, 0] - [0, 0, 2.2 * legs.width]
+    return Part((drum(),), DARK, {"kind": "still"}, place)
+
+
+def rail(legs: Legs, p: int, s: int) -> Part:
+    """What a carriage runs on: along its axis, a little longer than its way."""
+    axis, points = legs.axes[0, p, s], legs.points[:, p, s]
+    way = (points - points[0]) @ axis
+    low, high = float(np.min(way)) - 8 * legs.width, float(np.max(way)) + 8 * legs.width
+    across = np.cross(axis, [1.0, 0, 0] if abs(axis[0]) < 0.9 else [0, 1.0, 0])
+    across /= np.linalg.norm(across)
+    place = np.eye(4)
+    place[:3, :3] = np.stack(
+        [1.3 * legs.width * across, 1.3 * legs.width * np.cross(axis, across), (high - low) * axis], axis=-1
+    )
+    place[:3, 3] = points[0] + low * axis
+    return Part((cylinder(),), STEEL, {"kind": "still"}, place)
+
+
+def arrow(attachment: int, width: float) -> Part:
+    """A force at an attachment: shaft and head."""
+    return Part((cylinder(), cone()), FORCE, {"kind": "arrow", "at": attachment, "width": width})
+
+
+def shares(points: Array) -> Array:
+    """How far along its path each station is, (T, P, S) from 0 to 1."""
+    steps = np.linalg.norm(np.diff(points, axis=-2, prepend=points[..., :1, :]), axis=-1)
+    way = np.cumsum(steps, axis=-1)
+    return np.asarray(way / np.maximum(way[..., -1:], 1e-300))
