@@ -8,6 +8,6 @@ import warnings
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
-sys.path.append(str(ROOT / "tests"))
+sys.path.append(str(ROOT / "tests" / "support"))
 sys.exudynFast = True  # Exudyn without range checks, chosen before its first import
 warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")

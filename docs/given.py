@@ -14,7 +14,7 @@ from parflex.fe.imports.nastran.op2 import read_op2
 from parflex.fe.imports.unit_systems import SYSTEMS
 from parflex.robots.gough_stewart import PLATE
 
-DATA = Path(__file__).parent.parent / "tests" / "data"
+DATA = Path(__file__).parent.parent / "tests" / "support" / "data"
 SHELLS = {"op2": DATA / "hexQ8.OP2", "bulk": DATA / "hexQ8.bdf"}  # the paper's plate
 SOLID = DATA / "ccx_plate.inp"  # the same in 57 nodes
 

@@ -9,7 +9,7 @@ from sample import Sample
 
 
 class Pinocchio(Rival):
-    """The robot of the tests, `tests/pin_robot.py`, its workspaces made once."""
+    """The robot of the tests, `tests/support/pin_robot.py`, its workspaces made once."""
 
     name = "Pinocchio"
     remark = (
