@@ -41,14 +41,14 @@ def at_rest(modes: int) -> Sample:
     """
     sample = moving(modes)
     model = pf.Model(sample.robot, "numpy")
-    _, forces = model.static(*sample.home_pose)
+    _, forces = model.equilibrium(*sample.home_pose)
     home = sample.robot.home
     platform = pf.State(
         *(np.array([value]) for value in (home.position, home.rotation, home.twist)),
         np.zeros((1, modes)),
         np.zeros((1, modes)),
     )
-    q = [np.array([leg]) for leg in model.legs(home).q]
+    q = [np.array([leg]) for leg in model.joints(home).q]
     return Sample(
         legs=sample.legs,
         body=sample.body,

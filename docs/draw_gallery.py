@@ -23,7 +23,7 @@ COLOURS = 256  # of a picture, which keeps the files small
 def in_motion(entry: Entry) -> tuple[pf.Model, pf.State]:
     """The robot under computed torque along its moves, at the instant."""
     model = pf.Model(entry.build())
-    start, _ = model.static(*model.robot.home_pose)
+    start, _ = model.equilibrium(*model.robot.home_pose)
     way = pf.Trajectory.through(start, entry.moves, MOVE_TIME, rest=(0, 0))
     control = pf.ComputedTorque(model, way, kp=400.0, kd=40.0, output=pf.FrameOutput(entry.output))
     run = pf.simulate(model, control, start, np.linspace(0.0, INSTANT, 3), rtol=1e-6, atol=1e-8)

@@ -13,7 +13,7 @@ def flown(modes: int) -> pf.Result:
     robot = pf.robots.gough_stewart(modes)
     model = pf.Model(robot)
     way = pf.Trajectory.through(robot.home, MOVES, duration=0.4, rest=(0.1, 0.2))
-    start, _ = model.static(*robot.home_pose)
+    start, _ = model.equilibrium(*robot.home_pose)
     control = pf.ComputedTorque(model, way)
     return pf.simulate(model, control, start, np.linspace(0, way.duration, 301))
 

@@ -12,7 +12,7 @@ body = pf.FlexibleBody.from_modes(modes, damping_ratio=0.02).with_payload(node=0
 robot = pf.robots.gough_stewart(platform=body)
 model = pf.Model(robot)
 
-state, forces = model.static(*robot.home_pose)
+state, forces = model.equilibrium(*robot.home_pose)
 print("frequencies of the free plate (Hz):", np.round(modes.frequencies / (2 * np.pi), 1))
 print("forces that hold it (N):", np.round(forces))
 print(

@@ -35,7 +35,7 @@ legs = [ups(np.append(b, 0.0), np.arctan2(b[1], b[0]), i) for i, b in enumerate(
 robot = pf.Robot(tuple(legs), body, home_pose=((0, 0, 0.6), np.eye(3)))
 model = pf.Model(robot)
 
-start, _ = model.static(*robot.home_pose)
+start, _ = model.equilibrium(*robot.home_pose)
 stay = pf.Trajectory([robot.home.position] * 2, [np.eye(3)] * 2, [1.0], rest=(0, 0))
 control = pf.ComputedTorque(model, stay, kp=15.0**2, kd=2 * 15.0)
 

@@ -17,7 +17,7 @@ print(f"pinned frequencies to {100 * modes.error.pinned_error.max():.2g} %")
 
 platform = pf.FlexibleBody.from_modes(modes, damping_ratio=0.01).with_payload(modes.tool, mass=40.0)
 robot = pf.robots.gough_stewart(platform=platform)
-state, forces = pf.Model(robot, "numpy").static(*robot.home_pose)
+state, forces = pf.Model(robot, "numpy").equilibrium(*robot.home_pose)
 fields = pf.fe.recover(modes, state.elastic)
 print("forces that hold it (N):", np.round(forces))
 print(f"largest von Mises stress under its weight and 40 kg: {1e-6 * fields.mises.max():.2f} MPa")

@@ -51,7 +51,7 @@ def paper_flown() -> Section:
     for modes in (0, 10):
         model = pf.Model(pf.robots.gough_stewart(modes))
         way = paper.trajectory(model.robot)
-        start = model.static(*model.robot.home_pose)[0]
+        start = model.equilibrium(*model.robot.home_pose)[0]
         times = np.linspace(0.0, way.duration, round(way.duration / paper.SAMPLE_TIME) + 1)
         given = pf.ComputedTorque(model, way), start, times, paper.RTOL, paper.ATOL
         run = partial(pf.simulate, model, *given)
@@ -88,11 +88,11 @@ def matched() -> Section:
 def pushed(released: Sample) -> Sample:
     """From the bent equilibrium, under one per cent more force."""
     model = pf.Model(released.robot, "numpy")
-    state, forces = model.static(*released.home_pose)
+    state, forces = model.equilibrium(*released.home_pose)
     still = np.zeros((1, 6)), np.zeros((1, released.body.modes))
     place = state.position[None], state.rotation[None]
     batch = pf.State(*place, still[0], state.elastic[None], still[1])
-    q = [leg[None] for leg in model.legs(state).q]
+    q = [leg[None] for leg in model.joints(state).q]
     return replace(released, platform=batch, q=q, forces=1.01 * forces[None])
 
 

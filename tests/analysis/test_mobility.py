@@ -103,7 +103,7 @@ def test_rods_that_spin_between_two_balls():
     assert counts(found) == (6, 6, 6, 18, 18)
     assert "6 motions of their own" in str(found)
     plain = pf.Model(sample.robot, "numpy").inverse(sample.robot.home, np.zeros(6)).forces
-    assert np.allclose(model.legs(model.robot.home).q[0][:3], sample.robot.legs[0].posture)
+    assert np.allclose(model.joints(model.robot.home).q[0][:3], sample.robot.legs[0].posture)
     assert np.allclose(
         model.inverse(model.robot.home, np.zeros(6)).forces, plain, rtol=0.05
     )  # lighter by 0.1 kg
@@ -200,7 +200,7 @@ def test_freed_twists_are_motions():
 def change_of_lengths(model, state, step):
     R = np.asarray(state.rotation)
     moved = pf.State(state.position + R @ step[:3], R @ Rotation.from_rotvec(step[3:]).as_matrix())
-    return np.array(model.legs(moved).q)[:, 2] - np.array(model.legs(state).q)[:, 2]
+    return np.array(model.joints(moved).q)[:, 2] - np.array(model.joints(state).q)[:, 2]
 
 
 def test_singular_pose_in_a_batch_is_named():

@@ -31,7 +31,7 @@ def flown(modes: pf.Modes):
     body = pf.FlexibleBody.from_modes(modes, origin=(0, 0, 0), damping_ratio=DAMPING_RATIO)
     robot = gough_stewart(platform=body)
     model, way = pf.Model(robot), paper.trajectory(robot)
-    times, start = np.linspace(0, SHAKE, 71), model.static(*robot.home_pose)[0]
+    times, start = np.linspace(0, SHAKE, 71), model.equilibrium(*robot.home_pose)[0]
     run = pf.simulate(model, pf.ComputedTorque(model, way), start, times, 1e-6, 1e-8, max_step=0.02)
     return run.dataset["forces"].values, run.dataset["attachment_deformation"].values
 

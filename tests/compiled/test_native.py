@@ -246,7 +246,7 @@ def test_batches_in_a_forked_process(own_cache):
 def test_bound_arrays_live_on(model_of):
     """What a flat call has seen is not moved or freed under it: NumPy refuses, dropped arrays are kept."""
     model = model_of(3, "native")
-    state, forces = model.static(*model.robot.home_pose)
+    state, forces = model.equilibrium(*model.robot.home_pose)
     c = model.compiled()
     x, u, out = c.pack(state), forces.copy(), np.zeros(9)
     c.direct(x, u, out)

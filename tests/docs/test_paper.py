@@ -64,7 +64,7 @@ def test_table_4_puts_the_corners_on_a_hexagon():
 def test_home_joints_are_those_of_table_4(model_of):
     """Inverse geometry at home; the table has three digits."""
     model = model_of(0)
-    for i, q in enumerate(model.legs(model.robot.home).q):
+    for i, q in enumerate(model.joints(model.robot.home).q):
         printed = [source.TABLE_4[f"q_{j}"][i] for j in (1, 2, 3)]
         assert np.max(np.abs(q - printed)) <= 1.5e-3
 

@@ -58,7 +58,7 @@ def test_platform_is_held_at_the_corners_and_drives_a_robot(modes):
     assert np.allclose(body.attachment_points, CORNERS, rtol=0, atol=1e-9)
     robot = pf.robots.gough_stewart(platform=body)
     model = pf.Model(robot, "numpy")
-    state, forces = model.static(*robot.home_pose)
+    state, forces = model.equilibrium(*robot.home_pose)
     acc = model.direct(state, 1.01 * forces)
     found = model.inverse(state, acc.platform).forces
     assert np.max(np.abs(found - 1.01 * forces)) <= 1e-8 * np.max(np.abs(forces))

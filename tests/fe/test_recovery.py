@@ -89,7 +89,7 @@ def run() -> tuple[pf.Modes, pf.Result]:
     found = pf.fe.FreeFreeWithAttachment(2, at, radius=0.08, negligible=0.02).modes(body)
     robot = pf.robots.gough_stewart(platform=pf.FlexibleBody.from_modes(found, damping_ratio=0.05))
     model = pf.Model(robot, "numpy")
-    state, forces = model.static(*robot.home_pose)
+    state, forces = model.equilibrium(*robot.home_pose)
     return found, pf.simulate(model, lambda t, x: forces, state, np.linspace(0, 0.01, 5), rtol=1e-5)
 
 

@@ -235,7 +235,7 @@ def test_template_is_the_robot_of_the_paper(tmp_path):
     path, _ = write_templates(tmp_path / "robot.toml")
     mine, paper = pf.load_robot(path), pf.robots.gough_stewart(7)
     models = [pf.Model(robot, "numpy") for robot in (mine, paper)]
-    (bent, forces), (sagging, expected) = (model.static(*paper.home_pose) for model in models)
+    (bent, forces), (sagging, expected) = (model.equilibrium(*paper.home_pose) for model in models)
     assert relative(forces, expected) < 1e-9
     found, wanted = models[0].direct(bent, 1.1 * forces), models[1].direct(sagging, 1.1 * expected)
     assert relative(found.platform, wanted.platform) < EIGENSOLVER

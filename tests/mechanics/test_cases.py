@@ -13,7 +13,6 @@ import parflex as pf
 from cases import KINDS, NAMES
 from measures import actuated, relative
 from parflex.mechanics import chain
-from parflex.mechanics.energy import energies
 from parflex.mechanics.platform import platform_terms
 from parflex.views.sketch import sketch
 from rewriting import REWRITINGS, one_tree, reframed
@@ -169,8 +168,7 @@ def test_leg_models(which):
 
 def test_energies(which):
     stored, numpy_model = cases.arrays(*which), model(*which, "numpy")
-    system = numpy_model.system(cases.case(*which).states)
-    kinetic, *potential = energies(numpy_model.robot, system)
+    kinetic, *potential = numpy_model.energies(cases.case(*which).states)
     errors = {"kinetic": relative(kinetic, stored["kinetic_energy"])}
     if "potential_energy" in stored:
         errors["potential"] = relative(sum(potential), stored["potential_energy"])
@@ -184,7 +182,7 @@ def test_joints(which):
 
 def check_joints(sample, numpy_model):
     for state in (sample.states, sample.platform):
-        legs = numpy_model.legs(state)
+        legs = numpy_model.joints(state)
         check({f"q[{i}]": relative(q, sample.q[i]) for i, q in enumerate(legs.q)}, LIBRARY)
         check({f"qd[{i}]": relative(qd, sample.qd[i]) for i, qd in enumerate(legs.qd)}, LIBRARY)
 
@@ -239,7 +237,7 @@ def test_stored_equilibrium_is_at_rest(name, kind):
 def test_static_equilibrium(name, kind):
     """Asked for at the pose of the stored one, which for three freedoms fits only with its bend."""
     wanted, stored = equilibrium(name, kind)
-    state, forces = model(name, kind, "numpy").static(wanted.position, wanted.rotation)
+    state, forces = model(name, kind, "numpy").equilibrium(wanted.position, wanted.rotation)
     errors = {field: relative(getattr(state, field), getattr(wanted, field)) for field in FIELDS}
     errors["elastic"] = in_its_size(state.elastic, wanted.elastic)
     check(errors | {"forces": relative(forces, stored["static_forces"])}, LIBRARY)
@@ -385,13 +383,13 @@ def test_joints_of_a_state_name_the_branch(name):
     check(errors_of("direct", bare.direct(states, sample.forces), stored), LIBRARY, at_least=2)
     found = bare.inverse(states, sample.target, sample.output)
     check(errors_of("inverse", found, stored), LIBRARY, at_least=2)
-    for q, expected in zip(bare.legs(states).q, sample.q, strict=True):
+    for q, expected in zip(bare.joints(states).q, sample.q, strict=True):
         assert relative(q, expected) <= LIBRARY
     assert relative(bare.project(states[0]).position, states[0].position) <= LIBRARY
     flat, out = bare.compiled(sample.output), np.zeros(6)
     flat.direct(flat.pack(states[1]), sample.forces[1].copy(), out)
     assert relative(out, stored["direct_platform"][1]) <= LIBRARY
-    near = bare.pose(actuated(sample.robot, [q[2] for q in sample.q]), states[2])
+    near = bare.forward(actuated(sample.robot, [q[2] for q in sample.q]), states[2])
     assert relative(near.position, states[2].position) <= LIBRARY
     lines = sketch(bare, states[3]).lines
     assert relative(lines, sketch(model(name, "rigid", "numpy"), states[3]).lines) <= LIBRARY
@@ -411,7 +409,7 @@ def test_flat_models_go_from_branch_to_branch():
     legs = tuple(replace(leg, posture=None) for leg in sample.robot.legs)
     bare, forces = pf.Model(replace(sample.robot, legs=legs), "numpy"), sample.forces[0].copy()
     state = replace(sample.states[0], joint_rates=None)
-    own = bare.legs(replace(state, joints=None)).q
+    own = bare.joints(replace(state, joints=None)).q
     assert all(relative(a, b) > 0.1 for a, b in zip(own, state.joints, strict=True))
     elbows = {"stored": state.joints, "own": own, "one": (state.joints[0], *own[1:])}
     wanted = {"stored": stored["direct_platform"][0]}

@@ -64,7 +64,7 @@ def test_projected_states_are_on_the_closure(name, kind, rewriting):
     given = off(sample, 1e-2)
     given = given if rewriting else replace(given, joints=None, joint_rates=None)
     found = model.project(given)
-    q = model.legs(found).q
+    q = model.joints(found).q
     for s in range(len(sample.forces)):
         assert max(sample.open(platform_of(found[s]), [leg[s] for leg in q])) <= CLOSED
     assert np.array_equal(found.elastic, given.elastic)
@@ -147,7 +147,7 @@ def test_states_off_the_closure_are_refused():
     hinge = np.asarray(sample.legs[1].rotation) @ [0, 1, 0]
     places[4] += 2e-5 * hinge / np.linalg.norm(hinge)
     batch = pf.State(places.reshape(2, 3, 3), turns.reshape(2, 3, 3, 3), twists.reshape(2, 3, 6))
-    for call in (model.direct, lambda state, forces: model.legs(state)):
+    for call in (model.direct, lambda state, forces: model.joints(state)):
         with pytest.raises(
             pf.InputError, match=r"state at index \(1, 1\) is off the closure: a gap of .*-05 m"
         ):
@@ -165,12 +165,12 @@ def test_wrong_branch_is_refused(name):
     """A joint half a turn from where the closed form has it; a full turn away it is the same joint."""
     model = model_of(name)
     home = model.robot.home
-    q = [np.array(q_i) for q_i in model.legs(home).q]
+    q = [np.array(q_i) for q_i in model.joints(home).q]
     q[1][0] += 2 * np.pi
-    model.legs(replace(home, joints=tuple(q)))
+    model.joints(replace(home, joints=tuple(q)))
     q[1][0] -= np.pi
     with pytest.raises(pf.InputError, match=r"State.joints\[1\] is on another .* than leg 2: joint 1"):
-        model.legs(replace(home, joints=tuple(q)))
+        model.joints(replace(home, joints=tuple(q)))
 
 
 def test_carried_legs_that_are_not_found_are_named():
@@ -182,9 +182,9 @@ def test_carried_legs_that_are_not_found_are_named():
     with pytest.raises(pf.OutOfReach, match="state at index 2: no joints of leg 1 were found"):
         model.direct(batch, np.zeros(6))
     with pytest.raises(pf.OutOfReach, match="state: no joints of leg 1 were found that reach"):
-        model.legs(batch[2])
+        model.joints(batch[2])
     fine = batch[np.array([0, 1, 3])]
-    assert relative(model.legs(fine).q[3][2], sample.q[3][3]) <= LIBRARY
+    assert relative(model.joints(fine).q[3][2], sample.q[3][3]) <= LIBRARY
 
 
 # --- flat states with carried joints ---
@@ -285,7 +285,7 @@ def test_states_of_a_run_replay_the_models(which):
     for i in (3, 40):
         found = model.direct(result.state(i), data.forces.values[i])
         assert np.allclose(found.platform, data.acceleration[i], atol=1e-8)
-        legs = model.legs(result.state(i))
+        legs = model.joints(result.state(i))
         for leg in range(len(legs.q)):
             n = legs.q[leg].shape[-1]
             assert np.allclose(legs.qd[leg], data.joint_rate.values[i, leg, :n], atol=1e-9)
@@ -339,7 +339,7 @@ def test_ctrl_c_keeps_what_a_constrained_robot_reached(rewriting):
 
 def lengths_of(model, state):
     """(m,) positions of the actuated joints."""
-    return actuated(model.robot, model.legs(state).q)
+    return actuated(model.robot, model.joints(state).q)
 
 
 def apart(a, b):
@@ -356,7 +356,7 @@ def test_forward_after_inverse_geometry(name, rewriting):
         for s in range(len(sample.forces)):
             state = sample.states[s]
             guess = replace(model.robot.home, elastic=state.elastic)
-            found = model.pose(lengths_of(model, state), guess)
+            found = model.forward(lengths_of(model, state), guess)
             assert apart(found, state) <= POSED
             assert np.all(found.twist == 0)
 
@@ -366,15 +366,15 @@ def test_forward_geometry_of_the_papers_robot():
     model = pf.Model(pf.robots.gough_stewart(0), "numpy")
     states = random_states(model.robot, 50, 0)
     for s in range(50):
-        assert apart(model.pose(lengths_of(model, states[s])), states[s]) <= POSED
+        assert apart(model.forward(lengths_of(model, states[s])), states[s]) <= POSED
 
 
 @pytest.mark.parametrize("name", cases.NAMES)
 def test_forward_geometry_with_sag(name):
     """The joints of the static equilibrium lead back to it, its bend included, from the undeformed home."""
     model = model_of(name, "flex")
-    state, _ = model.static(*model.robot.home_pose)
-    found = model.pose(lengths_of(model, state), sag=True)
+    state, _ = model.equilibrium(*model.robot.home_pose)
+    found = model.forward(lengths_of(model, state), sag=True)
     assert apart(found, state) <= 1e-9
     size = np.max(np.abs(state.elastic))
     assert relative(found.elastic / size, state.elastic / size) <= 1e-8
@@ -387,10 +387,10 @@ def test_all_poses_of_a_3rps(rewriting):
     sample, model = sample_of("rps3", rewriting=rewriting), model_of("rps3", rewriting=rewriting)
     home = model.robot.home
     lengths = lengths_of(model, home)
-    found = model.poses(lengths, starts=80)
+    found = model.forward_all(lengths, starts=80)
     assert apart(found[0], home) <= POSED
     assert len(found) >= 5
-    joints = [model.legs(state).q for state in found]
+    joints = [model.joints(state).q for state in found]
     for state, q in zip(found, joints, strict=True):
         assert np.max(np.abs(actuated(model.robot, q) - lengths)) <= POSED
         assert sample.open(platform_of(state), q)[0] <= CLOSED
@@ -409,6 +409,6 @@ def test_all_poses_of_a_3rps(rewriting):
 def test_no_pose_is_an_empty_list():
     """Two metres and two times two millimetres: no triangle has such sides."""
     model = model_of("rps3")
-    assert model.poses([2.0, 0.002, 0.002], starts=3) == []
+    assert model.forward_all([2.0, 0.002, 0.002], starts=3) == []
     with pytest.raises(pf.NotConverged, match="no pose with these actuated joints was found"):
-        model.pose([2.0, 0.002, 0.002])
+        model.forward([2.0, 0.002, 0.002])

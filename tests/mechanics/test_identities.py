@@ -154,7 +154,7 @@ def test_leg_jacobian_is_that_of_the_paper(case):
     """Eqs. 3 and 4, typed from the paper, in Σ0i; and J q̇ is the tip's velocity (Eq. 1)."""
     model, state, _, x = case
     (leg,) = assembly.assemble(model.robot, x).legs
-    legs = model.legs(state)
+    legs = model.joints(state)
     for i in range(6):
         q1, q2, q3 = np.moveaxis(legs.q[i], -1, 0)
         s1, c1, s2, c2 = np.sin(q1), np.cos(q1), np.sin(q2), np.cos(q2)
@@ -217,7 +217,7 @@ def test_static_equilibrium_is_at_rest(model_of):
     """V̇_p = q̈_e = 0 there; what remains is K times the tolerance of q_e."""
     for modes in MODES:
         model = model_of(modes)
-        state, forces = model.static(*model.robot.home_pose)
+        state, forces = model.equilibrium(*model.robot.home_pose)
         found = model.direct(state, forces)
         assert np.max(np.abs(found.platform)) <= 1e-9
         assert np.max(np.abs(found.elastic), initial=0.0) <= 1e-9
@@ -232,7 +232,7 @@ def test_slider_measured_from_elsewhere_is_the_same_leg(model_of):
     other = pf.Model(replace(model.robot, legs=tuple(legs)), "numpy")
     state, forces = random_states(model.robot, 5, 1), random_forces(model, 5, 2)
     assert relative(other.direct(state, forces).platform, model.direct(state, forces).platform) <= SAME
-    assert relative(other.legs(state).q[2][:, 2] + 1.05, model.legs(state).q[2][:, 2]) <= SAME
+    assert relative(other.joints(state).q[2][:, 2] + 1.05, model.joints(state).q[2][:, 2]) <= SAME
 
 
 def test_leg_without_an_actuator(model_of):

@@ -75,7 +75,7 @@ def plate(request):
     cloud = oracle.plate_cloud(corners(), **PLATE, n_modes=request.param, damping_ratio=DAMPING_RATIO)
     omega = np.sqrt(cloud.stiffness)
     softer = omega[:1] / omega
-    static = pf.Model(robot, backend="numpy").static(*robot.home_pose)[1]
+    static = pf.Model(robot, backend="numpy").equilibrium(*robot.home_pose)[1]
     rng = np.random.default_rng(request.param)
     count = STATES[request.param]
     return problem(robot, cloud, count, 0.01 * softer**2, 0.1 * softer, static, rng)
@@ -99,7 +99,7 @@ def blob(request):
     rotations, zeta = rng.standard_normal(shapes.shape), rng.uniform(0.01, 0.3, len(omega))
     rigid = pf.FlexibleBody.from_nodes(positions, masses, shapes[:0], omega[:0], 0.0, held)
     stiff_robot = pf.robots.gough_stewart(platform=rigid)
-    static = pf.Model(stiff_robot, backend="numpy").static(*stiff_robot.home_pose)[1]
+    static = pf.Model(stiff_robot, backend="numpy").equilibrium(*stiff_robot.home_pose)[1]
     body = pf.FlexibleBody.from_nodes(positions, masses, shapes, omega, zeta, held, rotations)
     robot = pf.robots.gough_stewart(platform=body)
     cloud = oracle.nodal_platform(positions, masses, shapes, omega, zeta, held)

@@ -199,7 +199,7 @@ def driven_hinges():
 def test_static_forces_are_the_shortest(model):
     """The inverse model at rest, with Γ of least norm, is another route to them."""
     model = model()
-    state, forces = model.static(*model.robot.home_pose)
+    state, forces = model.equilibrium(*model.robot.home_pose)
     rows = (2, 3, 4) if model.robot.n_forces == 6 else range(6)
     shortest = model.inverse(state, np.zeros(len(rows)), pf.FrameOutput(tuple(rows))).forces
     assert relative(forces, shortest) <= LIBRARY
@@ -231,7 +231,7 @@ def test_delta_accelerates_against_its_actuators():
         body = replace(sample.cloud, **stiff(sample.cloud)) if kind == "rigid" else sample.cloud
         at = report.state
         still = pf.State(at.position, at.rotation, elastic=at.elastic if kind == "flex" else 0.0)
-        q = list(model.legs(at).q)
+        q = list(model.joints(at).q)
         if kind == "rigid":  # held as it is bent: the points where the bent platform has them
             moved = sample.cloud.attachments + sample.cloud.attachment_shapes @ at.elastic
             bent = sample.cloud.positions + np.einsum("n,nka->ka", at.elastic, sample.cloud.shapes)
@@ -257,7 +257,7 @@ def stiff(cloud):
 def test_computed_torque_beyond_a_dynamic_singularity_warns():
     """At the start of a run, once; the inverse model warns as well, and names the line that called it."""
     model, sample = model_of("delta3", "flex", "vm"), cases.case("delta3", "flex")
-    start, _ = model.static(*model.robot.home_pose)
+    start, _ = model.equilibrium(*model.robot.home_pose)
     way = pf.Trajectory.through(start, [((0, 0, 0.01), (0, 0, 0))], 0.1)
     control = pf.ComputedTorque(model, way, 100.0, 20.0, sample.output)
     with warnings.catch_warnings(record=True) as caught:
@@ -279,7 +279,7 @@ def test_poles_by_the_oracle(name, kind):
     sample, model = cases.case(name, kind), model_of(name, kind)
     report = model.output_report(model.robot.home, sample.output)
     rows, N, eps = sample.rows, sample.body.modes, 1e-6
-    at, q = report.state, list(model.legs(report.state).q)
+    at, q = report.state, list(model.joints(report.state).q)
     axes = np.array([i for i in range(6) if i not in rows], dtype=int)
 
     def elastic(bend, rate):
@@ -349,12 +349,12 @@ def other_branch(sample):
     """The home pose with every leg's joints on the other side, found from postures reflected at the tip."""
     model = pf.Model(reframed(sample).robot, "numpy")
     home = model.robot.home
-    q = model.legs(home).q
+    q = model.joints(home).q
     rng = np.random.default_rng(0)
     for _ in range(50):
         guess = tuple(q_i + rng.uniform(-3, 3, 3) for q_i in q)
         try:
-            found = model.legs(replace(home, joints=guess)).q
+            found = model.joints(replace(home, joints=guess)).q
         except pf.InputError:
             continue
         if all(np.max(np.abs(np.sin((a - b) / 2))) > 0.1 for a, b in zip(found, q, strict=True)):

@@ -129,8 +129,8 @@ def test_the_base_carries_the_weight(which):
     """At rest in equilibrium: forces, and moments about the world's origin, of all legs and the platform."""
     sample = zoo.paper() if which == "paper" else cases.case(*which)
     model = pf.Model(sample.robot, "numpy")
-    state, forces = model.static(*model.robot.home_pose)
-    found, q = model.reactions(state, forces), model.legs(state).q
+    state, forces = model.equilibrium(*model.robot.home_pose)
+    found, q = model.reactions(state, forces), model.joints(state).q
     body, g = sample.body, sample.gravity
     if which == "paper":
         total, first = body.moments.m * g, np.cross(state.position, body.moments.m * g)

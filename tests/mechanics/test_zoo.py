@@ -136,7 +136,7 @@ def test_compiled_models(name):
 def test_joints(name):
     """Positions, rates and accelerations of all joints."""
     sample, numpy_model = ALL[name](), model(name, "numpy")
-    legs = numpy_model.legs(sample.states)
+    legs = numpy_model.joints(sample.states)
     qdd = numpy_model.joint_accelerations(sample.states, sample.forces)
     for i in range(len(sample.legs)):
         found = legs.q[i], legs.qd[i], qdd[i]

@@ -270,7 +270,7 @@ def test_pose_out_of_reach(model):
         with pytest.raises(pf.OutOfReach, match="pose at index 1: leg 1 cannot reach"):
             call(batch, np.zeros(6))
     with pytest.raises(pf.OutOfReach, match="pose: leg 1 cannot reach"):
-        model.legs(batch[1])
+        model.joints(batch[1])
 
 
 def test_singular_leg(model):
@@ -315,7 +315,7 @@ def test_dynamic_singularity_is_said(model_of, backend):
     robot, rng = model.robot, np.random.default_rng(2)
     turn = Rotation.from_rotvec(rng.uniform(-0.3, 0.3, (200, 3))).as_matrix()
     states = pf.State(robot.home.position + rng.uniform(-0.2, 0.2, (200, 3)), turn)
-    legs = model.legs(states)
+    legs = model.joints(states)
     ratio = np.linalg.det(model.cartesian(states).Jsys_invT) / np.linalg.det(printed_Jp(robot, states, legs))
     wrong = np.flatnonzero(ratio < 0)
     assert 5 <= len(wrong) <= 50
@@ -386,7 +386,7 @@ def test_simulation_refuses_before_it_starts(model):
 def test_too_soft_for_its_weight(model_of):
     """A plate of a tenth of the frequencies has no equilibrium with small deflections."""
     with pytest.raises(pf.NotConverged, match="too soft for its weight"):
-        soft_model(model_of, 0.02).static(*model_of(5).robot.home_pose)
+        soft_model(model_of, 0.02).equilibrium(*model_of(5).robot.home_pose)
 
 
 @pytest.mark.parametrize("backend", ["numpy", "vm"])
@@ -436,7 +436,7 @@ def test_empty_batches_of_fewer_freedoms(name, backend):
         assert model.direct(none, np.zeros(3)).platform.shape == (*batch, 6)
         assert model.direct(home, np.zeros((*batch, 3))).contact_forces.shape[: len(batch)] == batch
         assert model.inverse(home, np.zeros((*batch, 3)), rows).forces.shape == (*batch, 3)
-        assert model.legs(none).q[1].shape == (*batch, len(model.robot.legs[1].joints))
+        assert model.joints(none).q[1].shape == (*batch, len(model.robot.legs[1].joints))
         assert model.reactions(none, np.zeros(3)).force[0].shape[:-2] == batch
         assert model.project(none).position.shape == (*batch, 3)
 
@@ -446,7 +446,7 @@ def test_empty_batches_of_carried_legs(name):
     model = case_model(name, "numpy", reframed)
     none = pf.State(np.zeros((0, 3)), UPRIGHT)
     assert model.direct(none, np.zeros(model.robot.n_forces)).platform.shape == (0, 6)
-    assert model.legs(none).qd[0].shape == (0, len(model.robot.legs[0].joints))
+    assert model.joints(none).qd[0].shape == (0, len(model.robot.legs[0].joints))
 
 
 @pytest.mark.parametrize("rewriting", [None, reframed])
@@ -455,7 +455,7 @@ def test_joints_of_another_robot_are_refused(name, rewriting):
     """As many legs, and as many joints of each, as the robot has: for legs of every kind."""
     model = case_model(name, "numpy", rewriting)
     home, m = model.robot.home, model.robot.n_forces
-    q = model.legs(home).q
+    q = model.joints(home).q
     model.direct(replace(home, joints=q), np.zeros(m))
     for field in ("joints", "joint_rates"):
         for wrong in (q[:-1], (*q, q[0])):
@@ -492,14 +492,14 @@ def test_poses_far_away_are_refused_everywhere(name, rewriting):
     m, far = model.robot.n_forces, pf.State((5.0, 5.0, 5.0), UPRIGHT)
     doors = {
         "direct": lambda: model.direct(far, np.zeros(m)),
-        "legs": lambda: model.legs(far),
+        "joints": lambda: model.joints(far),
         "mobility": lambda: model.mobility(far),
         "joint controller": lambda: pf.JointPD(model, far, 1.0, 1.0),
         "simulate": lambda: pf.simulate(model, np.zeros(m), far, [0.0, 0.1]),
     }
     if rewriting is None and name != "rps3":  # whose legs are as long as one likes
         doors["project"] = lambda: model.project(far)
-        doors["static"] = lambda: model.static(far.position, far.rotation)
+        doors["equilibrium"] = lambda: model.equilibrium(far.position, far.rotation)
         doors["report"] = lambda: model.output_report(far, cases.case(name, "rigid").output)
     if rewriting:
         doors["pack"] = lambda: model.compiled().pack(far)
@@ -527,7 +527,7 @@ def test_start_off_the_closure_is_refused():
 
 def test_forward_geometry_takes_one_set_of_joints():
     model = case_model("rps3", "numpy")
-    for call in (model.pose, model.poses):
+    for call in (model.forward, model.forward_all):
         with pytest.raises(pf.InputError, match=r"joints has shape \(2,\); expected \(3\)"):
             call([0.7, 0.7])
         with pytest.raises(pf.InputError, match=r"joints has shape \(2, 3\); expected \(3\)"):
@@ -539,6 +539,6 @@ def test_forward_geometry_takes_one_set_of_joints():
         with pytest.raises(pf.InputError, match=r"guess is a batch \(2,\)"):
             call([0.7, 0.7, 0.7], pf.State(np.zeros((2, 3)), UPRIGHT))
     with pytest.raises(pf.InputError, match="starts is 2.5; it must be a whole number"):
-        model.poses([0.7, 0.7, 0.7], starts=2.5)
+        model.forward_all([0.7, 0.7, 0.7], starts=2.5)
     with pytest.raises(pf.InputError, match="starts is 0; it must be a whole number, 1 or more"):
-        model.poses([0.7, 0.7, 0.7], starts=0)
+        model.forward_all([0.7, 0.7, 0.7], starts=0)

@@ -264,8 +264,8 @@ def test_simulation_with_other_numbers(model, monkeypatch):
         model.robot, gravity=values["gravity"], platform=model.robot.platform.with_payload(NODE, 4.0)
     )
     expected = pf.Model(built_there, "vm")
-    state, forces = expected.static(*model.robot.home_pose)
-    assert relative(moon.static(*model.robot.home_pose)[1], forces) <= 1e-9
+    state, forces = expected.equilibrium(*model.robot.home_pose)
+    assert relative(moon.equilibrium(*model.robot.home_pose)[1], forces) <= 1e-9
     push = {"wrenches": [pf.Wrench(0, (10.0, 20.0, 30.0))], "max_step": 0.01}
     two = pf.simulate(expected, 1.1 * forces, state, t, **push).dataset
     if model.backend.name == "native":

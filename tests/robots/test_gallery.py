@@ -72,7 +72,7 @@ def states(name: str, flexible: bool, count: int = 6) -> pf.State:
 @cache
 def forces(name: str, flexible: bool) -> np.ndarray:
     """Forces about those of the equilibrium, one row per state."""
-    _, still = model(name, flexible).static(*model(name, flexible).robot.home_pose)
+    _, still = model(name, flexible).equilibrium(*model(name, flexible).robot.home_pose)
     rng = np.random.default_rng(8)
     return still + rng.uniform(-20.0, 20.0, (6, len(still)))
 
@@ -82,7 +82,7 @@ def forces(name: str, flexible: bool) -> np.ndarray:
 def test_home_is_assembled(name, flexible):
     """The legs' inverse geometry puts every tip where the platform has it, by the oracle's chains."""
     home, body = robot(name, flexible).home, robot(name, flexible).platform
-    joints = model(name, flexible).legs(home).q
+    joints = model(name, flexible).joints(home).q
     for leg, q in zip(robot(name, flexible).legs, joints, strict=True):
         held = body.attachment_points[[tip.attachment for tip in leg.tips]]
         wanted = home.position + held @ np.asarray(home.rotation).T
@@ -117,7 +117,7 @@ def test_the_output_is_commanded(name):
 @every
 def test_equilibrium_is_at_rest(name, flexible):
     m = model(name, flexible)
-    state, still = m.static(*m.robot.home_pose)
+    state, still = m.equilibrium(*m.robot.home_pose)
     found = m.direct(state, still)
     load = m.robot.platform.stiffness * state.elastic
     assert np.max(np.abs(found.platform)) <= REST
@@ -165,7 +165,7 @@ def cloud(name: str, flexible: bool) -> oracle.NodalPlatform:
 def test_oracle_agrees(name, flexible):
     m, at, u = model(name, flexible), states(name, flexible), forces(name, flexible)
     found = m.direct(at, u)
-    q, plate = m.legs(at).q, cloud(name, flexible)
+    q, plate = m.joints(at).q, cloud(name, flexible)
     for s in range(2):
         wanted = oracle.direct(m.robot, plate, at[s], u[s], start=[leg[s] for leg in q])
         assert relative(found.platform[s], wanted[0]) <= INVERSE
@@ -181,13 +181,13 @@ def test_forward_geometry_after_inverse_geometry(name):
     turn = Rotation.from_rotvec(rng.uniform(-0.08, 0.08, (POSES, 3))).as_matrix()
     place = home.position + rng.uniform(-0.04, 0.04, (POSES, 3))
     wanted = m.project(pf.State(place, turn @ home.rotation))
-    joints = actuated(m.robot, m.legs(wanted).q)
+    joints = actuated(m.robot, m.joints(wanted).q)
     start = np.broadcast_to(m.flat(home), (POSES, layout.size))
     found = unpack(posed(m.robot, start, joints)[0], layout)
     assert np.max(np.abs(found.position - wanted.position)) <= GEOMETRY
     assert np.max(np.abs(found.rotation - wanted.rotation)) <= GEOMETRY
     for s in range(3):
-        assert np.max(np.abs(m.pose(joints[s]).position - wanted.position[s])) <= GEOMETRY
+        assert np.max(np.abs(m.forward(joints[s]).position - wanted.position[s])) <= GEOMETRY
 
 
 @robots
@@ -196,7 +196,7 @@ def test_computed_torque_keeps_to_the_trajectory(name, flexible):
     """In the commanded rows. Where the robot drifts off in the others, the error's components turn
     with the platform: they are those of the commanded rows up to drift times turn."""
     entry, m = ENTRIES[name], compiled(name, flexible)
-    start, _ = m.static(*m.robot.home_pose)
+    start, _ = m.equilibrium(*m.robot.home_pose)
     way = pf.Trajectory.through(start, entry.moves, MOVE_TIME, rest=(0.0, 0.0))
     control = pf.ComputedTorque(m, way, kp=400.0, kd=40.0, output=output(name))
     run = pf.simulate(m, control, start, np.linspace(0.0, RUN, 7), rtol=1e-7, atol=1e-9)

@@ -76,14 +76,14 @@ def rng_masses(seed):
 def test_energy_balances_under_constant_forces(model_of):
     """Undamped, forces 2 % above the static ones, half a second (then it falls over)."""
     model = model_of(10, "vm", damping_ratio=0.0)
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     check_balance(pf.simulate(model, 1.02 * forces, model.robot.home, np.linspace(0, 0.5, 51), rtol=1e-10))
 
 
 def test_energy_balances_under_a_joint_controller(model_of):
     """Undamped, held by springs and dampers at the joints, 2 s, from the flat plate."""
     model = model_of(10, "vm", damping_ratio=0.0)
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     hold = pf.JointPD(model, model.robot.home, kp=2e5, kd=2e3, forces=forces)
     check_balance(pf.simulate(model, hold, model.robot.home, np.linspace(0, 2, 101), rtol=1e-10))
 
@@ -91,7 +91,7 @@ def test_energy_balances_under_a_joint_controller(model_of):
 def test_energy_balances_with_wrenches_and_damping(model_of):
     """A force on the plate's centre that swings, damped modes: every term of the ledger is at work."""
     model = model_of(10, "vm")
-    start, forces = model.static(*model.robot.home_pose)
+    start, forces = model.equilibrium(*model.robot.home_pose)
     hold = pf.JointPD(model, start, kp=2e5, kd=2e3, forces=forces)
     run = pf.simulate(
         model,
@@ -132,7 +132,7 @@ def test_rigid_body_equals_flexible_body_without_modes(model_of):
     inertia = np.trace(moments.P0) * np.eye(3) - moments.P0
     body = pf.FlexibleBody.rigid(moments.m, (0, 0, 0), inertia, plate.robot.platform.attachment_points)
     other = pf.Model(pf.robots.gough_stewart(platform=body), "numpy")
-    state, forces = plate.static(*plate.robot.home_pose)
+    state, forces = plate.equilibrium(*plate.robot.home_pose)
     found, expected = other.direct(state, forces + 100), plate.direct(state, forces + 100)
     assert np.max(np.abs(found.platform - expected.platform)) <= 1e-12
     assert np.max(np.abs(found.contact_forces - expected.contact_forces)) <= 1e-9

@@ -116,7 +116,7 @@ class Counted:
 
 def held_stiffly(model: pf.Model):
     """Joints held by stiff springs and dampers, and a start off their rest."""
-    start, forces = model.static(*model.robot.home_pose)
+    start, forces = model.equilibrium(*model.robot.home_pose)
     return pf.JointPD(model, start, 1e8, 1e6, forces), model.robot.home
 
 

@@ -33,7 +33,7 @@ def model(model_of, request):
 @pytest.fixture(scope="module")
 def held(model):
     """Held in its equilibrium by the static forces alone, for a moment."""
-    state, forces = model.static(*model.robot.home_pose)
+    state, forces = model.equilibrium(*model.robot.home_pose)
     return pf.simulate(model, forces, state, TIMES)
 
 
@@ -45,7 +45,7 @@ def test_equilibrium_stays(held):
 
 def test_controllers_of_all_kinds_agree(model, held):
     """Constant forces as an array, as a function, and as a joint controller without gains."""
-    state, forces = model.static(*model.robot.home_pose)
+    state, forces = model.equilibrium(*model.robot.home_pose)
     push = 1.05 * forces
     by_array = pf.simulate(model, push, state, TIMES)
     by_function = pf.simulate(model, lambda t, s: push, state, TIMES)
@@ -59,7 +59,7 @@ def test_controllers_of_all_kinds_agree(model, held):
 
 def test_tighter_tolerance_changes_little(model):
     """Two tolerances, and an independent integrator (LSODA on the flat model) agree."""
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     push, home, c = 1.05 * forces, model.robot.home, model.compiled()
     N, x, out = 3, np.zeros(19), np.zeros(9)
 
@@ -83,7 +83,7 @@ def test_computed_torque_gains_pull_the_platform_back(model):
     """Critically damped error: released 5 mm and 0.02 rad off, it is back after a second."""
     home = model.robot.home
     way = pf.Trajectory.through(home, [((0.02, 0, 0.01), (0, 0.02, 0))], 0.5, rest=(0.1, 0.1))
-    state, _ = model.static(*model.robot.home_pose)
+    state, _ = model.equilibrium(*model.robot.home_pose)
     off = pf.State(
         np.asarray(home.position) + [0.005, 0, 0],
         Rotation.from_rotvec([0, 0.02, 0]).as_matrix(),
@@ -140,13 +140,13 @@ def test_states_of_a_result_replay_the_models(model, held):
         found = model.direct(held.state(i), held.dataset.forces.values[i])
         assert np.allclose(found.platform, held.dataset.acceleration[i], atol=1e-9)
         assert np.allclose(found.contact_forces, held.dataset.contact_forces[i], atol=1e-8)
-    q = model.legs(held.state(3)).q
+    q = model.joints(held.state(3)).q
     assert np.allclose(held.dataset.joint[3], np.stack(q))
 
 
 @pytest.mark.usefixtures("interruptible")
 def test_ctrl_c_keeps_what_was_reached(model, tmp_path):
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     pressed = []
 
     def controller(t, s):
@@ -166,7 +166,7 @@ def test_ctrl_c_keeps_what_was_reached(model, tmp_path):
 
 
 def test_failing_controller_keeps_what_was_reached(model):
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
 
     def controller(t, s):
         return forces if t < 0.1 else {}["gone"]
@@ -198,7 +198,7 @@ def test_controller_that_fails_again_afterwards_keeps_the_run(model):
 def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
     """Nothing of the run is Python: a signal that is sent amid it is seen between two chunks of steps."""
     model = model_of(3, "native")
-    start, forces = model.static(*model.robot.home_pose)
+    start, forces = model.equilibrium(*model.robot.home_pose)
     hold = pf.JointPD(model, start, 1e6, 1e3, forces)
     times = np.linspace(0, 1000, 100_001)
     timer = threading.Timer(0.01, os.kill, (os.getpid(), signal.SIGINT))
@@ -213,7 +213,7 @@ def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of, monkeypatch):
 def test_controllers_are_functions_of_time_and_state(model_of):
     """What a joint controller gives at the rows of a run is what the run recorded."""
     model = model_of(3, "vm")
-    start, forces = model.static(*model.robot.home_pose)
+    start, forces = model.equilibrium(*model.robot.home_pose)
     hold = pf.JointPD(model, start, 1e5, 1e3, forces)
     run = pf.simulate(model, hold, model.robot.home, np.linspace(0, 0.02, 5))
     found = [hold(t, run.state(i)) for i, t in enumerate(run.dataset.time.values)]
@@ -223,7 +223,7 @@ def test_controllers_are_functions_of_time_and_state(model_of):
 @pytest.mark.parametrize("method", ["RK45", "Radau"])
 def test_methods_agree(model, method):
     """With the eighth-order one, within what their tolerances promise."""
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     runs = [
         pf.simulate(model, 1.02 * forces, model.robot.home, TIMES, rtol=1e-9, atol=1e-11, method=name).dataset
         for name in ("DOP853", method)
@@ -241,7 +241,7 @@ def test_integrators_agree(model_of, kind):
     found = []
     for backend, called in (("vm", False), ("native", False), ("native", True)):
         model = model_of(3, backend)
-        start, forces = model.static(*model.robot.home_pose)
+        start, forces = model.equilibrium(*model.robot.home_pose)
         way = pf.Trajectory.through(
             model.robot.home, [((0.02, 0, 0.01), (0, 0.02, 0))], 0.1, rest=(0.02, 0.02)
         )
@@ -296,7 +296,7 @@ def test_dynamic_singularity_on_the_way_ends_as_partial(model_of, backend):
     is singular when flat meets one.
     """
     model = model_of(9, backend)
-    start, _ = model.static(*model.robot.home_pose)
+    start, _ = model.equilibrium(*model.robot.home_pose)
     goal = Rotation.from_rotvec(GOAL[3:]).as_matrix()
     home = model.robot.home
     way = pf.Trajectory(
@@ -384,7 +384,7 @@ def test_damaged_files_are_refused(held, tmp_path):
 def test_threads_share_a_model_but_not_a_workspace(model):
     """Two threads, each with `compiled()`, and the comfortable calls beside them."""
     rng = np.random.default_rng(0)
-    state, forces = model.static(*model.robot.home_pose)
+    state, forces = model.equilibrium(*model.robot.home_pose)
     pushes = forces + rng.uniform(-300, 300, (2, 200, 6))
     expected = [model.direct(state, p).platform for p in pushes]
     worst = []
@@ -415,7 +415,7 @@ def test_state_of_a_trajectory_packs(model):
 
 def test_flat_calls_write_where_they_are_told(model):
     """Rows of a matrix are new views at every call, whose identities are soon reused."""
-    _, forces = model.static(*model.robot.home_pose)
+    _, forces = model.equilibrium(*model.robot.home_pose)
     pushes = forces + np.arange(8.0)[:, None] * 50
     for backend in ("numpy", "vm"):
         c = pf.Model(model.robot, backend).compiled()

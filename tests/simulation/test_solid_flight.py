@@ -30,7 +30,7 @@ def runs():
         assert len(modes.frequencies) == 15
         model = pf.Model(pf.robots.gough_stewart(platform=held(modes)))
         way = paper.trajectory(model.robot)
-        start, _ = model.static(*model.robot.home_pose)
+        start, _ = model.equilibrium(*model.robot.home_pose)
         times = np.linspace(0.0, END, 91)
         found.append(pf.simulate(model, pf.ComputedTorque(model, way), start, times, rtol=1e-6).dataset)
     return found

@@ -33,7 +33,7 @@ def random_states(robot: pf.Robot, count: int, seed: int) -> pf.State:
 
 def random_forces(model: pf.Model, count: int, seed: int) -> np.ndarray:
     """Static forces ± 300 N."""
-    _, static = model.static(*model.robot.home_pose)
+    _, static = model.equilibrium(*model.robot.home_pose)
     return static + np.random.default_rng(seed).uniform(-300, 300, (count, model.robot.n_forces))
 
 

@@ -14,7 +14,7 @@ from parflex.views.report.checks import ALL_CHECKS, checks_of
 def run(model_of) -> pf.Result:
     """A held robot that is pushed for 0.1 s."""
     model = model_of(4, "vm")
-    start, forces = model.static(*model.robot.home_pose)
+    start, forces = model.equilibrium(*model.robot.home_pose)
     hold = pf.JointPD(model, start, kp=2e5, kd=2e3, forces=forces)
     return pf.simulate(model, hold, start, np.linspace(0, 0.1, 41), wrenches=[pf.Wrench(0, (0, 0, -200))])
 

@@ -12,7 +12,7 @@ def test_lines_are_as_long_as_the_legs(model_of):
     model = model_of(10)
     state = random_states(model.robot, 1, seed=2)[0]
     drawn = sketch(model, state, scale=1.0)
-    slides = [q[2] for q in model.legs(state).q]
+    slides = [q[2] for q in model.joints(state).q]
     ends = [np.linalg.norm(line[-1] - line[0]) for line in drawn.lines]
     assert relative(ends, slides) < 1e-12
     starts = [line[0] for line in drawn.lines]

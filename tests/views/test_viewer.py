@@ -21,7 +21,7 @@ from parflex.views.viewer.solids import ball, cone, cylinder, drum
 def short_run(robot: pf.Robot) -> pf.Result:
     """Held for 5 ms by its motors."""
     model = pf.Model(robot, "numpy")
-    start, forces = model.static(*robot.home_pose)
+    start, forces = model.equilibrium(*robot.home_pose)
     hold = pf.JointPD(model, start, kp=1e5, kd=1e3, forces=forces)
     return pf.simulate(model, hold, start, np.linspace(0, 5e-3, 3), rtol=1e-4, atol=1e-6, max_step=5e-3)
 

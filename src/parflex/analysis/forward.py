@@ -21,7 +21,7 @@ def pose(robot: Robot, wanted: Array, start: Array) -> Array:
     if not gap <= CLOSE_ENOUGH * max(1.0, size_of(robot)):
         raise NotConverged(
             f"no pose with these actuated joints was found from the guess, a gap of {gap:.2g} m or rad "
-            f"remains; give a guess nearer to it, or look for all poses with model.poses"
+            f"remains; give a guess nearer to it, or look for all poses with model.forward_all"
         )
     return found
 

@@ -27,7 +27,7 @@ def examine() -> list[Check]:
     """Each backend against NumPy, and forces recovered from their own accelerations."""
     robot = gough_stewart(modes=3)
     reference = Model(robot, "numpy")
-    state, forces = reference.static(*robot.home_pose)
+    state, forces = reference.equilibrium(*robot.home_pose)
     x = reference.flat(state)
     x[7:13] = 0.1
     w = np.zeros(9)

@@ -37,7 +37,7 @@ def joint_rows(model: "Model") -> Rows:
 
     Raises OutOfReach and SingularPose where the home pose has none.
     """
-    found = model.legs(model.robot.home).q
+    found = model.joints(model.robot.home).q
     rows: Rows = []
     for number, (leg, q) in enumerate(zip(model.robot.legs, found, strict=True)):
         values = ", ".join(shown(joint, value) for joint, value in zip(leg.joints, q, strict=True))

@@ -54,7 +54,7 @@ def run(
     robot = gough_stewart(platform=held(computed))
     model = Model(robot, backend)
     way = trajectory(robot)
-    start: State = robot.home if undeformed else model.static(*robot.home_pose)[0]
+    start: State = robot.home if undeformed else model.equilibrium(*robot.home_pose)[0]
     say(f"compiling the models ({model.backend.version()})")
     controller = ComputedTorque(model, way)
     count = round(way.duration / SAMPLE_TIME) + 1

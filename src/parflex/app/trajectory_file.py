@@ -52,7 +52,7 @@ def start_of(plan: Plan, model: "Model") -> Start:
     """The start that the plan asks for."""
     if plan.table.start == "home":
         return Start(model.robot.home, np.zeros(model.robot.n_forces))
-    return Start(*model.static(*model.robot.home_pose))
+    return Start(*model.equilibrium(*model.robot.home_pose))
 
 
 def trajectory_of(plan: Plan, start: State) -> Trajectory:

@@ -14,7 +14,7 @@ FAR = 1.0  # rad, between a joint at home and in the posture that names its bran
 
 def joints_at_home(robot: Robot) -> tuple[Array, ...]:
     """Joint positions (n_i,) of each leg; raises InputError where one does not reach the platform."""
-    return Model(robot, "numpy").legs(robot.home).q
+    return Model(robot, "numpy").joints(robot.home).q
 
 
 def check_posture(leg: Leg, number: int, q: Array) -> None:

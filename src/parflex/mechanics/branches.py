@@ -9,7 +9,7 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.spatial import within_half_a_turn
 from parflex.mechanics.legs.base import LegGroup, joints_at, tips_at
-from parflex.mechanics.ordering import legs_of
+from parflex.mechanics.ordering import joints_of
 from parflex.mechanics.system import examined
 from parflex.robot.leg import Leg
 from parflex.robot.robot import Robot
@@ -37,7 +37,7 @@ def check_joints(robot: Robot, state: State) -> None:
 
 def check_branch(robot: Robot, x: Array, joints: Sequence[Array | None]) -> None:
     """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
-    stands = legs_of(robot, examined(robot, x)[0]).q
+    stands = joints_of(robot, examined(robot, x)[0]).q
     for number, (leg, given) in enumerate(zip(robot.legs, joints, strict=True)):
         if given is None or robot.layout.joints[number]:
             continue

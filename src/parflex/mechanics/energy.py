@@ -1,5 +1,7 @@
 """Kinetic, gravitational and strain energy of a robot, and that of its joints' springs."""
 
+from typing import NamedTuple
+
 import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
@@ -9,12 +11,21 @@ from parflex.mechanics.system import System
 from parflex.robot.robot import Robot
 
 
-def energies(robot: Robot, system: System) -> tuple[Array, Array, Array, Array]:
-    """Kinetic (rotors included), gravitational (zero at the world's origin), strain energy, and that
-    of the joints' springs, J.
+class Energies(NamedTuple):
+    """Energies of a robot, J, (…,) each.
 
-    For a state or a batch of them: (…,) each.
+    kinetic counts the rotors in, gravity is zero at the world's origin, strain is that of the platform
+    and springs that of the joints' springs.
     """
+
+    kinetic: Array
+    gravity: Array
+    strain: Array
+    springs: Array
+
+
+def energies(robot: Robot, system: System) -> Energies:
+    """The energies of a robot at a state or a batch of them."""
     gravity, body, x = np.asarray(robot.gravity), robot.platform, system.x
     kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
     moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
@@ -29,4 +40,4 @@ def energies(robot: Robot, system: System) -> tuple[Array, Array, Array, Array]:
         weight = weight + np.sum(above - mass * dot(gravity, group.origin), axis=-1)
         stretch = chain.stretch(group.chain, leg.joints)
         springs = springs + 0.5 * np.sum(group.chain.k * stretch * stretch, axis=(-2, -1))
-    return kinetic, weight, strain, springs
+    return Energies(kinetic, weight, strain, springs)

@@ -11,20 +11,20 @@ from parflex.mechanics.kinematics import unstacked
 from parflex.robot.robot import Robot
 
 
-class Legs(NamedTuple):
+class Joints(NamedTuple):
     """Joint positions and rates, one (…, n_i) per leg; m and rad."""
 
     q: tuple[Array, ...]
     qd: tuple[Array, ...]
 
 
-def legs_of(robot: Robot, system: assembly.System) -> Legs:
+def joints_of(robot: Robot, system: assembly.System) -> Joints:
     """Joint positions and rates of an assembled system."""
     positions = [
         np.stack([assembly.joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1)
         for leg in system.legs
     ]
-    return Legs(by_leg(robot, positions), by_leg(robot, [leg.qd for leg in system.legs]))
+    return Joints(by_leg(robot, positions), by_leg(robot, [leg.qd for leg in system.legs]))
 
 
 def by_leg(robot: Robot, values: Sequence[Any], core: int = 1) -> tuple[Array, ...]:

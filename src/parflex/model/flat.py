@@ -54,7 +54,7 @@ class Compiled:
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
         if self.model.robot.layout.carried:
-            self.model.legs(state)
+            self.model.joints(state)
         return x
 
     def unpack(self, x: Array) -> State:

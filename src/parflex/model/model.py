@@ -28,12 +28,14 @@ from parflex.mechanics import system as assembly
 from parflex.mechanics.cartesian import Cartesian
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.dynamics import Acceleration
-from parflex.mechanics.ordering import Legs, by_attachment, by_leg, by_rows, legs_of
+from parflex.mechanics.energy import Energies, energies
+from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows, joints_of
 from parflex.mechanics.output import FrameOutput, Output
 from parflex.mechanics.system import System, examined
 from parflex.mechanics.wrench import generalised_force, places_of, pushes_of
 from parflex.model.family import Family, on_branch
 from parflex.model.flat import Compiled
+from parflex.model.renamed import renamed
 from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
 from parflex.robot.layout import unpack
 from parflex.robot.parameters import Parameters
@@ -205,9 +207,9 @@ class Model:
         return cartesian.cartesian(self.robot, self.system(state).x)[0]
 
     @on_branch
-    def legs(self, state: State) -> Legs:
+    def joints(self, state: State) -> Joints:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return legs_of(self.robot, self.system(state))
+        return joints_of(self.robot, self.system(state))
 
     @on_branch
     def joint_accelerations(
@@ -230,6 +232,11 @@ class Model:
         return Reactions(by_leg(self.robot, force, core=2), by_leg(self.robot, moment, core=2))
 
     @on_branch
+    def energies(self, state: State) -> Energies:
+        """Kinetic, gravitational and strain energy of the robot, and that of its joints' springs."""
+        return energies(self.robot, self.system(state))
+
+    @on_branch
     def mobility(self, state: State) -> Mobility:
         """Freedoms, redundant constraints, and singularities of both kinds with their directions.
 
@@ -248,7 +255,7 @@ class Model:
         The report gives the conditioning, what bending makes of the gains, and the poles of the
         elastic zero dynamics: the motion of the modes while the output is held.
 
-        Raises InputError for a batch, and as `static` and `inverse` do.
+        Raises InputError for a batch, and as `equilibrium` and `inverse` do.
         """
         search.single("state", self.flat(state))
         return output_report(self, state, self._commanded(output))
@@ -264,7 +271,7 @@ class Model:
         """
         return self.state(search.on_closure(self.robot, state))
 
-    def pose(self, joints: ArrayLike, guess: State | None = None, sag: bool = False) -> State:
+    def forward(self, joints: ArrayLike, guess: State | None = None, *, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
 
         It is looked for from the guess, by default home, with the guess's bend; with sag the
@@ -275,8 +282,8 @@ class Model:
         model = self.of(guess)
         return model.state(search.pose(model.robot, joints, guess, sag))
 
-    def poses(
-        self, joints: ArrayLike, guess: State | None = None, starts: int = 200, seed: int = 0
+    def forward_all(
+        self, joints: ArrayLike, guess: State | None = None, *, starts: int = 200, seed: int = 0
     ) -> list[State]:
         """All poses found whose actuated joints are as given (m,), the nearest to the guess first.
 
@@ -286,7 +293,7 @@ class Model:
         model = self.of(guess)
         return [model.state(x) for x in search.poses(model.robot, joints, guess, starts, seed)]
 
-    def static(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
+    def equilibrium(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
         """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
 
         Where the legs do not allow the pose with the platform bent, it is the nearest they allow.
@@ -295,6 +302,11 @@ class Model:
         """
         x, forces = search.at_rest(self, "position and rotation", State(position, rotation))
         return self.state(x), forces
+
+    legs = renamed("legs", joints)
+    pose = renamed("pose", forward)
+    poses = renamed("poses", forward_all)
+    static = renamed("static", equilibrium)
 
     def compiled(self, output: Output | None = None) -> Compiled:
         """The models on flat arrays, without allocation; one per thread.
@@ -360,7 +372,7 @@ class Model:
         found = unpack(x, self.robot.layout)
         if self.family.first is self:
             return found
-        legs = legs_of(self.robot, examined(self.robot, np.asarray(x, dtype=float))[0])
+        legs = joints_of(self.robot, examined(self.robot, np.asarray(x, dtype=float))[0])
         return replace(found, joints=legs.q, joint_rates=legs.qd)
 
     def check(self, x: Array, health: Array) -> None:

@@ -234,7 +234,7 @@ class JointPD(Controller):
         of_type("JointPD.reference", self.reference, State)
         if self.reference.batch:
             raise InputError(f"JointPD.reference is a batch {self.reference.batch}; give one state")
-        self.model.legs(self.reference)  # refuses a reference that the robot cannot take
+        self.model.joints(self.reference)  # refuses a reference that the robot cannot take
         for name in ("kp", "kd", "forces"):
             value = finite(f"JointPD.{name}", getattr(self, name))
             if value.shape not in ((), (m,)):

@@ -10,7 +10,7 @@ from parflex.base.array import Array, mtv, mv
 from parflex.base.version import __version__
 from parflex.mechanics.energy import energies
 from parflex.mechanics.kinematics import position_in_world
-from parflex.mechanics.ordering import by_attachment, legs_of
+from parflex.mechanics.ordering import by_attachment, joints_of
 from parflex.mechanics.paths import leg_paths
 from parflex.mechanics.system import System, assemble
 from parflex.robot.layout import Layout, coordinates
@@ -165,7 +165,7 @@ def dynamic_variables(robot: Robot, run: "Run", motion: "Motion") -> Variables:
 def geometry_variables(robot: Robot, run: "Run", system: System) -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
     body, c = robot.platform, system.x
-    legs, paths = legs_of(robot, system), leg_paths(system)
+    legs, paths = joints_of(robot, system), leg_paths(system)
     shapes = np.moveaxis(body.shapes, 0, -1)  # (K, 3, N)
     bent = mv(shapes[list(body.attachments)], c.elastic[:, None, :])
     place = position_in_world(body.attachment_points + bent, c)
