@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from parflex.robot.robot import Robot
     from parflex.robot.state import State
     from parflex.robot.wrench import Wrench
-    from parflex.simulation.control import ComputedTorque, Controller, JointPD
+    from parflex.simulation.laws import ComputedTorque, Controller, JointPD
     from parflex.simulation.result import Result, load_result
     from parflex.simulation.simulate import simulate
     from parflex.simulation.trajectory import Trajectory
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
 
 
 _HOME = {  # loaded at first use, so that `import parflex` is quick
-    "ComputedTorque": "simulation.control",
-    "Controller": "simulation.control",
+    "ComputedTorque": "simulation.laws",
+    "Controller": "simulation.laws",
     "FlexibleBody": "robot.body",
     "FrameOutput": "mechanics.output",
     "Joint": "robot.leg",
-    "JointPD": "simulation.control",
+    "JointPD": "simulation.laws",
     "Leg": "robot.leg",
     "Model": "model.model",
     "Modes": "robot.modes",

@@ -6,7 +6,7 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from measures import relative
-from parflex.app.trajectory_file import controller_of, read_plan, start_of, trajectory_of
+from parflex.app.trajectory_file import planned_controller, read_plan, start_of, trajectory_of
 
 GOOD = """\
 format = "parflex-trajectory-1"
@@ -59,7 +59,7 @@ def test_poses_are_displacements_from_the_start(plan, model_of):
     assert relative(way.positions, home.position + np.array([[0, 0, 0], [0.1, 0, 0], [0, 0, 0]])) < 1e-15
     turned = Rotation.from_euler("y", 10, degrees=True).as_matrix() @ home.rotation
     assert relative(way.sample(0.6).rotation, turned) < 1e-12
-    controller = controller_of(read, model, start, way)
+    controller = planned_controller(read, model, start, way)
     assert isinstance(controller, pf.ComputedTorque)
     assert controller.kp == 100
     assert list(controller.kd) == [20, 20, 20, 10, 10, 10]
@@ -78,7 +78,7 @@ def test_starts(plan, model_of):
 def test_springs_hold_the_start(plan, model_of):
     model, read = model_of(0), plan(SPRINGS)
     start = start_of(read, model)
-    controller = controller_of(read, model, start, trajectory_of(read, start.state))
+    controller = planned_controller(read, model, start, trajectory_of(read, start.state))
     assert isinstance(controller, pf.JointPD)
     assert controller.reference is start.state
 
@@ -119,7 +119,7 @@ def used(plan, text, model):
     """A plan, read and bound to a model."""
     read = plan(text)
     start = start_of(read, model)
-    return controller_of(read, model, start, trajectory_of(read, start.state))
+    return planned_controller(read, model, start, trajectory_of(read, start.state))
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -1,12 +1,15 @@
 """What an implicit integrator asks for: derivatives of the motion under a law, and what they spare."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import parflex as pf
 import zoo
 from measures import random_forces, random_states
-from parflex.simulation.control import Law, as_law
+from parflex.simulation.laws import controller_of
+from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.loads import Loads
 from parflex.simulation.stepping import SciPySteps
 
@@ -29,16 +32,16 @@ def way(model: pf.Model) -> pf.Trajectory:
     return pf.Trajectory.through(model.robot.home, [((0.02, 0, 0.01), (0, 0.02, 0))], 0.1, rest=(0.02, 0.02))
 
 
-def law_of(kind: str, model: pf.Model, forces: np.ndarray, wrenches=LOADS) -> Law:
-    return as_law(model, LAWS[kind](model, forces), Loads(model, wrenches))
+def law_of(kind: str, model: pf.Model, forces: np.ndarray, wrenches=LOADS) -> BoundLaw:
+    return controller_of(model, LAWS[kind](model, forces)).bind(model, Loads(model, wrenches))
 
 
-def by_differences(law: Law, t: float, x: np.ndarray) -> np.ndarray:
+def by_differences(law: BoundLaw, t: float, x: np.ndarray) -> np.ndarray:
     """∂ẋ/∂x of the law's motion, entry by entry of the flat state, the quaternion's length among them."""
     n = len(x)
 
     def central(h: float) -> np.ndarray:
-        ahead, behind = (law.at(np.full(n, t), x + step * np.eye(n)).rate for step in (h, -h))
+        ahead, behind = (law.replay(np.full(n, t), x + step * np.eye(n)).rate for step in (h, -h))
         return (ahead - behind).T / (2 * h)
 
     return (4 * central(STEP / 2) - central(STEP)) / 3
@@ -89,38 +92,48 @@ def test_robots_of_other_kinds(name):
     m = sample.robot.n_forces
     stiffness, damping = np.linspace(1e3, 5e3, m), np.linspace(10.0, 50.0, m)
     hold = pf.JointPD(model, sample.states[1], stiffness, damping, sample.forces[0])
-    law = as_law(model, hold, Loads(model, ()))
+    law = hold.bind(model, Loads(model, ()))
     x = model.flat(sample.states[0])
     assert law.differentiable
     assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= DIFFERENCES
 
 
-class Counted:
-    """How often right-hand sides and Jacobians are asked for."""
+class CountedLaw(BoundLaw):
+    """A law that counts how often right-hand sides and Jacobians are asked for."""
 
-    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
-        self.rates = self.jacobians = 0
-        rate, jacobian = Law.rate, Law.jacobian
+    rates = jacobians = 0
 
-        def counted_rate(law, t, x):
-            self.rates += 1
-            return rate(law, t, x)
+    def rate(self, t, x):
+        self.rates += 1
+        return super().rate(t, x)
 
-        def counted_jacobian(law, t, x):
-            self.jacobians += 1
-            return jacobian(law, t, x)
-
-        monkeypatch.setattr(Law, "rate", counted_rate)
-        monkeypatch.setattr(Law, "jacobian", counted_jacobian)
+    def jacobian(self, t, x):
+        self.jacobians += 1
+        return super().jacobian(t, x)
 
 
-def held_stiffly(model: pf.Model):
+class CountedPD(pf.JointPD):
+    """Springs and dampers whose calls are counted, perhaps as if their derivative were not known."""
+
+    exact = True
+
+    def bind(self, model, loads):
+        law = replace(self.law(model), differentiable=self.exact)
+        vars(self)["counted"] = CountedLaw(law, model, loads)
+        return self.counted
+
+
+class DifferencedPD(CountedPD):
+    exact = False
+
+
+def held_stiffly(model: pf.Model, kind=pf.JointPD):
     """Joints held by stiff springs and dampers, and a start off their rest."""
     start, forces = model.equilibrium(*model.robot.home_pose)
-    return pf.JointPD(model, start, 1e8, 1e6, forces), model.robot.home
+    return kind(model, start, 1e8, 1e6, forces), model.robot.home
 
 
-def test_exact_derivatives_spare_right_hand_sides(model_of, monkeypatch):
+def test_exact_derivatives_spare_right_hand_sides(model_of):
     """As many steps as with differences, of which each costs a right-hand side per coordinate; and the
     same motion as by an explicit method, within what their tolerances promise."""
     model = model_of(3, "vm")
@@ -128,12 +141,10 @@ def test_exact_derivatives_spare_right_hand_sides(model_of, monkeypatch):
     options = {"rtol": 1e-7, "atol": 1e-9, "method": "Radau"}
     reference = pf.simulate(model, hold, start, TIMES, rtol=1e-10, atol=1e-12).dataset
     runs, counts = [], []
-    for exact in (True, False):
-        with monkeypatch.context() as patch:
-            patch.setattr(Law, "differentiable", exact)
-            count = Counted(patch)
-            runs.append(pf.simulate(model, hold, start, TIMES, **options))
-        counts.append(count)
+    for kind in (CountedPD, DifferencedPD):
+        counted, _ = held_stiffly(model, kind)
+        runs.append(pf.simulate(model, counted, start, TIMES, **options))
+        counts.append(counted.counted)
     for run in runs:
         assert not run.partial
         assert np.max(np.abs(run.dataset.position - reference.position)) <= 1e-8
@@ -172,7 +183,7 @@ def test_a_callers_function_and_carried_joints_are_differenced(model_of):
     joints are in its state is held by stiff springs too."""
     model = model_of(0, "vm")
     hold, start = held_stiffly(model)
-    law = as_law(model, hold, Loads(model, ()))
+    law = hold.bind(model, Loads(model, ()))
 
     def called(t, state):
         return law.forces(t, model.flat(state))
@@ -184,7 +195,7 @@ def test_a_callers_function_and_carried_joints_are_differenced(model_of):
     assert np.max(np.abs(one.position - other.position)) <= 1e-8
     sample = zoo.odd(0, 0)
     model = pf.Model(sample.robot, "vm")
-    law = as_law(model, sample.forces[0], Loads(model, ()))
+    law = controller_of(model, sample.forces[0]).bind(model, Loads(model, ()))
     x = model.flat(sample.states[0])
     assert not law.differentiable
     assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= 1e-4

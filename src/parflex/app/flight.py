@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.app.trajectory_file import Plan, controller_of, start_of, trajectory_of
+from parflex.app.trajectory_file import Plan, planned_controller, start_of, trajectory_of
 from parflex.files.robot_file import RobotFile
 from parflex.model.model import Model
 from parflex.simulation.result import Result
@@ -33,7 +33,7 @@ def fly(
     start = start_of(plan, model)
     way = trajectory_of(plan, start.state)
     say(f"compiling the models ({model.backend.version()})")
-    controller = controller_of(plan, model, start, way)
+    controller = planned_controller(plan, model, start, way)
     say(f"flying the trajectory ({way.duration:.4g} s)")
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))
     result = simulate(model, controller, start.state, times, table.rtol, table.atol, max_step=table.max_step)

@@ -4,12 +4,12 @@ import json
 from collections.abc import Callable
 from typing import Any
 
-from parflex.app.trajectory_schema import TrajectoryTable
+from parflex.app.trajectory_schema import trajectory_table
 from parflex.files.robot_schema import RobotTable
 
 ALL_SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
     "robot": RobotTable.model_json_schema,
-    "trajectory": TrajectoryTable.model_json_schema,
+    "trajectory": trajectory_table().model_json_schema,
 }
 
 

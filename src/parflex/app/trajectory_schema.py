@@ -1,29 +1,20 @@
 """The tables of a trajectory file, format "parflex-trajectory-1"."""
 
-from typing import Annotated, Literal
+from functools import cache
+from typing import Annotated, Any, Literal, Union
 
-from pydantic import Discriminator, Field, Tag
+from pydantic import Discriminator, Field, Tag, create_model
 
 from parflex.files import quantity
+from parflex.files.quantity import Kind
 from parflex.files.tables import ZEROS, Measure, Point, Rotation, Table, Time, Whole, several
+from parflex.simulation.laws import ALL_LAWS
+from parflex.simulation.laws.controller import INDEX, NEEDED, Controller
 
 FORMAT = "parflex-trajectory-1"
 
 Lasting = Annotated[float, Measure(quantity.TIME, negative=False, zero=False)]
 Tolerance = Annotated[float, Measure(quantity.NUMBER, negative=False, zero=False)]
-PoseGain = Annotated[float, Measure(quantity.POSE_GAIN, negative=False)]
-RateGain = Annotated[float, Measure(quantity.RATE_GAIN, negative=False)]
-JointGain = Annotated[float, Measure(quantity.NUMBER, negative=False)]
-
-PoseGains = Annotated[
-    Annotated[PoseGain, Tag("one")] | Annotated[list[PoseGain], Tag("each")], Discriminator(several)
-]
-RateGains = Annotated[
-    Annotated[RateGain, Tag("one")] | Annotated[list[RateGain], Tag("each")], Discriminator(several)
-]
-JointGains = Annotated[
-    Annotated[JointGain, Tag("one")] | Annotated[list[JointGain], Tag("each")], Discriminator(several)
-]
 
 
 class MoveTable(Table):
@@ -34,24 +25,7 @@ class MoveTable(Table):
     duration: Lasting = Field(description="the time it takes, in s")
 
 
-class TorqueTable(Table):
-    """Forces from the inverse model, with feedback of the pose: computed torque."""
-
-    kind: Literal["computed-torque"]
-    rows: list[Whole] | None = Field(None, description="the rows of the pose that it follows; all six")
-    kp: PoseGains = Field(0.0, description="stiffness of the feedback, 1/s²; one, or six")
-    kd: RateGains = Field(0.0, description="damping of the feedback, 1/s; one, or six")
-
-
-class SpringTable(Table):
-    """Springs and dampers on the actuated joints, which hold the start."""
-
-    kind: Literal["joint-pd"]
-    kp: JointGains = Field(description="N/m or N m/rad; one, or one for each motor")
-    kd: JointGains = Field(description="N s/m or N m s/rad; one, or one for each motor")
-
-
-class TrajectoryTable(Table):
+class PlanTable(Table):
     """A motion through poses, what drives it, and how it is integrated."""
 
     format: Literal["parflex-trajectory-1"] = Field(description='"parflex-trajectory-1"')
@@ -60,8 +34,39 @@ class TrajectoryTable(Table):
         [0.5, 0.5], description="times at rest before the first move and after the last"
     )
     move: list[MoveTable] = Field(min_length=1, description="the moves in order, one [[move]] each")
-    controller: TorqueTable | SpringTable = Field(discriminator="kind", description="the table [controller]")
+    controller: Any = Field(description="the table [controller]")  # of one of the laws
     sample_time: Lasting = Field(5e-3, description="between output times")
     rtol: Tolerance = Field(1e-7, description="relative error of a step")
     atol: Tolerance = Field(1e-9, description="absolute error of a step")
     max_step: Lasting | None = Field(None, description="longest step; by default a fiftieth of the run")
+
+
+@cache
+def trajectory_table(laws: tuple[type[Controller], ...] = ALL_LAWS) -> type[PlanTable]:
+    """The table of a whole file whose [controller] is one of some laws."""
+    tables = tuple(table_of(law) for law in laws if law.kind)
+    one_of: Any = Union[tables]  # noqa: UP007
+    controller = (one_of, Field(discriminator="kind", description="the table [controller]"))
+    return create_model(
+        "TrajectoryTable", __base__=PlanTable, __doc__=PlanTable.__doc__, controller=controller
+    )
+
+
+def table_of(law: type[Controller]) -> type[Table]:
+    """The table [controller] of a law, made from its entries."""
+    fields: dict[str, Any] = {"kind": (Literal[law.kind], ...)}
+    for entry in law.entries:
+        default = ... if entry.default is NEEDED else entry.default
+        kind = type_of(entry.measure) | None if default is None else type_of(entry.measure)
+        fields[entry.name] = (kind, Field(default, description=entry.words))
+    return create_model(f"{law.__name__}Table", __base__=Table, __doc__=law.about, **fields)
+
+
+def type_of(measure: Kind) -> Any:
+    """A list of whole numbers, or one number for all freedoms, or a list with one for each."""
+    if measure is INDEX:
+        return list[Whole]
+    number = Annotated[float, Measure(measure, negative=False)]
+    return Annotated[
+        Annotated[number, Tag("one")] | Annotated[list[number], Tag("each")], Discriminator(several)
+    ]

@@ -18,7 +18,7 @@ from parflex.mechanics.legs.base import MARGINS
 from parflex.simulation.stepping import Stepper, Stuck
 
 if TYPE_CHECKING:
-    from parflex.simulation.control import Law
+    from parflex.simulation.laws.bound import BoundLaw
 
 CHUNK = 100  # steps between two returns to Python: where Ctrl-C, progress and singularities are looked at
 OUTPUTS = 1000  # rows at most that are read out between two returns
@@ -95,7 +95,7 @@ class Chunks(Stepper):
 
     def __init__(
         self,
-        law: "Law",
+        law: "BoundLaw",
         function: NativeFunction,
         more: Sequence[Array],
         method: int,
@@ -111,7 +111,7 @@ class Chunks(Stepper):
         self._rows = np.ascontiguousarray(law.rows, dtype=float)
         self._refused = np.full(len(y), np.nan)
         self._pointers = addresses([*self._inputs, *law.results])
-        time, health = law.inputs[1], law.results[4]
+        time, health = law.inputs.t, law.results.health
         self._block = np.array(
             [
                 function.address,
@@ -167,7 +167,7 @@ class Chunks(Stepper):
         return
 
 
-def chunks(law: "Law", method: str, t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
+def chunks(law: "BoundLaw", method: str, t: float, y: Array, tolerances: dict[str, float]) -> Chunks | None:
     """The integrator for a law, where law, backend and machine allow it."""
     function: Function = law.function
     more: list[Array] = []

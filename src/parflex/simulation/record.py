@@ -20,7 +20,7 @@ from parflex.simulation.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from parflex.model.model import Model
-    from parflex.simulation.control import Motion
+    from parflex.simulation.laws.law import Replay
     from parflex.simulation.simulate import Run
 
 Variables = dict[str, tuple[tuple[str, ...], Array, str, str]]  # dims, values, units, long name
@@ -32,7 +32,7 @@ ACCELERATION_UNITS = "m s-2, rad s-2"
 def record(
     model: "Model",
     run: "Run",
-    motion: "Motion",
+    motion: "Replay",
     trajectory: Trajectory | None,
     settings: dict[str, Any],
 ) -> xr.Dataset:
@@ -138,7 +138,7 @@ def motion_variables(run: "Run", layout: Layout) -> Variables:
     }
 
 
-def dynamic_variables(robot: Robot, run: "Run", motion: "Motion") -> Variables:
+def dynamic_variables(robot: Robot, run: "Run", motion: "Replay") -> Variables:
     """Forces, accelerations and contact forces at every output time."""
     N, twist = robot.platform.modes, run.x[:, 7:13]
     Vd = motion.rate[:, 7:13].copy()

@@ -15,7 +15,8 @@ from parflex.mechanics.closure import CLOSED, size_of
 from parflex.mechanics.legs.base import MARGINS
 from parflex.robot.state import State
 from parflex.simulation.chunks import chunks
-from parflex.simulation.control import Controller, Law, as_law
+from parflex.simulation.laws import controller_of
+from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.loads import Given, Loads
 from parflex.simulation.record import record
 from parflex.simulation.result import Result
@@ -80,24 +81,32 @@ def simulate(
     start = model.flat(state)
     if start.ndim != 1:
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
-    law = as_law(model, forces_or_controller, Loads(model, wrenches))
+    controller = controller_of(model, forces_or_controller)
+    law = controller.bind(model, Loads(model, wrenches))
     longest = (times[-1] - times[0]) / 50 if max_step is None else positive("max_step", max_step)
     tolerances = {"rtol": rtol, "atol": atol, "max_step": longest}
     run = integrate(law, start, times, method, tolerances, Closure(model))
-    motion = law.at(run.t, run.x)
+    motion = law.replay(run.t, run.x)
     if not run.stopped and not (np.all(np.isfinite(motion.forces)) and np.all(np.isfinite(motion.load))):
         run = run._replace(stopped="after the run: forces or wrenches failed when called for the record")
-    trajectory = forces_or_controller.trajectory if isinstance(forces_or_controller, Controller) else None
     settings = {"integrator": method, **tolerances}
-    return Result(lambda: record(model, run, motion, trajectory, settings), run.stopped)
+    return Result(lambda: record(model, run, motion, controller.trajectory, settings), run.stopped)
 
 
 def integrate(
-    law: Law, start: Array, times: Array, method: str, tolerances: dict[str, float], closure: "Closure"
+    law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float], closure: "Closure"
 ) -> Run:
     """The law's motion, put back on the closure again and again, read out at the output times."""
+    watch = law.law.watch
+
+    def look(x: Array) -> tuple[int, str]:
+        return watch.look(x) if watch else (len(x), "")
+
+    def explain() -> str:
+        return watch.explain() if watch else ""
+
     y = np.concatenate([closure.first(start), np.zeros(WORKS)])
-    law.watch(y[None, :-WORKS])
+    look(y[None, :-WORKS])
     check_finite(np.concatenate(law.rate(times[0], y[:-WORKS])))
 
     def rate(t: float, y: Array) -> Array:
@@ -116,19 +125,19 @@ def integrate(
                 try:
                     found = stepper.advance(times[done:])
                 except Stuck:
-                    stopped = str(stepper.refused or law.explain() or DIVERGES)
+                    stopped = str(stepper.refused or explain() or DIVERGES)
                     break
                 for row in found:
                     closure(row)
                 if closure(stepper.y):
                     stepper.moved()
-                before, stopped = law.watch(np.vstack([found, stepper.y])[:, :-WORKS])
+                before, stopped = look(np.vstack([found, stepper.y])[:, :-WORKS])
                 rows.append(found[:before])
                 reached = times[done + before] if before < len(found) else stepper.t
                 done += len(found)
                 if stepper.steps - crawl[0] >= PATIENCE:
                     if stepper.t - crawl[1] < SMALLEST * PATIENCE * (times[-1] - times[0]):
-                        stopped = law.explain() or DIVERGES
+                        stopped = explain() or DIVERGES
                     crawl = (stepper.steps, stepper.t)
                 bar.to(reached - times[0])
         except KeyboardInterrupt:

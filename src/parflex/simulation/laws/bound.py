@@ -1,0 +1,100 @@
+"""A controller bound to a model and to the loads on its platform, for one simulation."""
+
+from bisect import bisect_right
+from collections.abc import Callable
+from functools import cached_property, partial
+
+import numpy as np
+
+from parflex.analysis.singularities import check_legs
+from parflex.base.array import Array
+from parflex.compiled.backend import Trigger
+from parflex.model.model import Model
+from parflex.simulation.laws.law import Inputs, Law, Outputs, Replay
+from parflex.simulation.loads import Loads, at_times
+
+
+class BoundLaw:
+    """A law and the motion it causes, on flat vectors; for one thread."""
+
+    def __init__(self, law: Law, model: Model, loads: Loads) -> None:
+        self.law, self.loads, self.robot = law, loads, model.robot
+        self.rows, self._starts = np.atleast_2d(law.rows), law.starts.tolist()
+        self.function = model.function(law.kernel, *law.outputs, loads.places)
+        self._derivative = partial(model.function, law.derivative, *law.outputs, loads.places)
+        self.inputs = Inputs(*(np.zeros(n) for n in self.function.kernel.inputs))
+        self.results = Outputs(*(np.zeros(n) for n in self.function.kernel.outputs))
+        self.inputs.pushes[:] = loads.pushes
+        self._run = self.function.bind(self.inputs, self.results)
+
+    @property
+    def alone(self) -> bool:
+        """Whether forces and loads are known without calling anybody."""
+        return self.loads.steady
+
+    def row(self, t: float, x: Array) -> Array:
+        """What the kernel reads of the law at a time and flat state."""
+        found: Array = self.rows[self.stretch(t)[0]]
+        return found
+
+    def stretch(self, t: float) -> tuple[int, float]:
+        """The row of the law that holds at a time, and until when; steps do not go beyond."""
+        row = bisect_right(self._starts, t)
+        return row, self._starts[row] if row < len(self._starts) else np.inf
+
+    def rate(self, t: float, x: Array) -> tuple[Array, Array]:
+        """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the loads.
+
+        Raises as `Model.direct` where a leg's inverse geometry fails.
+        """
+        self._read(t, x)
+        self._run()
+        check_legs(self.robot, self.results.health)
+        return self.results.rate, self.results.powers
+
+    def forces(self, t: float, x: Array) -> Array:
+        """Γ (m,) at a time and flat state."""
+        self.rate(t, x)
+        return self.results.forces.copy()
+
+    @property
+    def differentiable(self) -> bool:
+        """Whether its derivative is compiled: nobody is called, and the state carries no joints."""
+        return self.law.differentiable and self.alone and self.robot.layout.carried == 0
+
+    def jacobian(self, t: float, x: Array) -> Array:
+        """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
+        if not self.differentiable:
+            return differences(lambda x: self.rate(t, x)[0].copy(), x)
+        run, found = self._slopes
+        self._read(t, x)
+        run()
+        return found.reshape(len(x), len(x))
+
+    def replay(self, t: Array, x: Array) -> Replay:
+        """Forces and motion at times (T,) and flat states (T, size); not numbers where they fail."""
+        rows = at_times(self.row, t, x, self.rows.shape[1])
+        load = self.loads.at(t, x)
+        found = Outputs(*self.function.each(*Inputs(x, t[:, None], rows, load, self.loads.pushes)))
+        return Replay(found.forces, found.rate, found.contact, load + self.loads.constant(x))
+
+    @cached_property
+    def _slopes(self) -> tuple[Trigger, Array]:
+        """The compiled derivative, and where it leaves its answer."""
+        function = self._derivative()
+        found = np.zeros(function.kernel.outputs[0])
+        return function.bind(self.inputs, [found]), found
+
+    def _read(self, t: float, x: Array) -> None:
+        """Fill the kernel's inputs."""
+        own = self.inputs
+        own.row[:] = self.row(t, x)
+        own.x[:], own.t[0], own.load[:] = x, t, self.loads(t, x)
+
+
+def differences(function: Callable[[Array], Array], x: Array) -> Array:
+    """∂function/∂x by steps of 1.5e-8 ahead."""
+    from scipy.optimize import approx_fprime
+
+    found: Array = approx_fprime(x, function)
+    return found

@@ -1,0 +1,114 @@
+"""Springs and dampers on the actuated joints."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from parflex.base.array import Array, Given
+from parflex.base.check import finite, of_type
+from parflex.base.errors import InputError
+from parflex.files import quantity
+from parflex.kernels import models
+from parflex.kernels.kernel import Kernel
+from parflex.kernels.motion import Answer, motion
+from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
+from parflex.mechanics import dynamics
+from parflex.mechanics import system as assembly
+from parflex.mechanics.derivatives.joint_tangent import joint_tangent
+from parflex.mechanics.wrench import Place
+from parflex.model.model import Model
+from parflex.robot.robot import Robot
+from parflex.robot.state import State
+from parflex.simulation.laws.controller import Controller, Entry, Start, stacked_row
+from parflex.simulation.laws.law import Law
+from parflex.simulation.trajectory import Trajectory
+
+
+def springs(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+    """The motion under springs and dampers; the row is (Γ_0 m, kp m, kd m, reference m)."""
+
+    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
+        u = spring_forces(robot, system, row)
+        return u, dynamics.direct_of(robot, system, u, load)
+
+    return motion("springs", robot, 4 * robot.n_forces, law, places)
+
+
+def springs_jacobian(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+    """The derivative of the motion under springs and dampers."""
+
+    def drive(system: assembly.System, t: Array, row: Array) -> ForceChange:
+        _, kp, kd, _ = quarters(row)
+        positions, rates = joint_tangent(robot, system)
+        change = -kp[..., None] * positions - kd[..., None] * rates
+        return spring_forces(robot, system, row), change
+
+    return motion_jacobian(springs(robot, places), places, drive)
+
+
+def spring_forces(robot: Robot, system: assembly.System, row: Array) -> Array:
+    """Γ (…, m) of springs and dampers; angles are known up to full turns."""
+    slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
+    preload, kp, kd, wanted = quarters(row)
+    ahead = wanted - assembly.actuated_positions(robot, system)
+    turned = np.arctan2(np.sin(ahead), np.cos(ahead))
+    ahead = slides * ahead + (1 - slides) * turned
+    return preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+
+
+def quarters(row: Array) -> list[Array]:
+    """Γ_0, kp, kd and the reference (…, m) in a row."""
+    m = row.shape[-1] // 4
+    return [row[..., i * m : (i + 1) * m] for i in range(4)]
+
+
+@dataclass(frozen=True, eq=False)
+class JointPD(Controller):
+    """Springs and dampers on the actuated joints: Γ = Γ_0 + kp (q_ref − q) − kd q̇.
+
+    The reference is the actuated joints' position in a state; kp (N/m or N m/rad) and kd (N s/m or
+    N m s/rad) are scalars or (m,); forces Γ_0 (m,) is added.
+
+    Raises InputError for wrong shapes, and for a reference that the robot cannot take.
+    """
+
+    kind = "joint-pd"
+    about = "Springs and dampers on the actuated joints, which hold the start."
+    entries = (
+        Entry("kp", quantity.NUMBER, "N/m or N m/rad; one, or one for each motor"),
+        Entry("kd", quantity.NUMBER, "N s/m or N m s/rad; one, or one for each motor"),
+    )
+
+    model: Model
+    reference: State
+    kp: Given
+    kd: Given
+    forces: Given = 0.0
+
+    def __post_init__(self) -> None:
+        m = self.model.robot.n_forces
+        of_type("JointPD.reference", self.reference, State)
+        if self.reference.batch:
+            raise InputError(f"JointPD.reference is a batch {self.reference.batch}; give one state")
+        self.model.joints(self.reference)
+        for name in ("kp", "kd", "forces"):
+            value = finite(f"JointPD.{name}", getattr(self, name))
+            if value.shape not in ((), (m,)):
+                raise InputError(f"JointPD.{name} has shape {value.shape}; give one value, or ({m},)")
+            object.__setattr__(self, name, value)
+
+    def law(self, model: Model) -> Law:
+        wanted = model.function(models.actuators)(model.flat(self.reference))[0]
+        row = stacked_row(len(wanted), self.forces, self.kp, self.kd, wanted)
+        return Law(springs, springs_jacobian, row)
+
+    @classmethod
+    def planned(cls, table: Any, model: Model, start: Start, way: Trajectory) -> "JointPD":
+        """The controller that holds the start; raises InputError for a trajectory that leaves it."""
+        if np.ptp(way.positions, axis=0).any() or np.ptp(way.rotations, axis=0).any():
+            raise InputError(
+                'kind is "joint-pd", which holds the start, but a move leaves it; give moves without '
+                'position and rotation, or kind = "computed-torque"'
+            )
+        return cls(model, start.state, table.kp, table.kd, start.forces)

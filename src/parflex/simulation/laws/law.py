@@ -1,0 +1,68 @@
+"""A control law as it is compiled: its kernel, the derivative, and the rows that the kernel reads."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.kernels.kernel import Kernel
+from parflex.mechanics.output import Output
+
+
+class Inputs(NamedTuple):
+    """What the kernel of a motion reads."""
+
+    x: Array  # (size,)
+    t: Array  # (1,) s
+    row: Array  # of the law's schedule
+    load: Array  # (6 + N,) a generalised force, beside the constant wrenches
+    pushes: Array  # (6 L,) the constant wrenches
+
+
+class Outputs(NamedTuple):
+    """What the kernel of a motion gives."""
+
+    forces: Array  # Γ (m,)
+    rate: Array  # ẋ (size,)
+    powers: Array  # (3,) W of actuators, wrenches and damping
+    contact: Array  # contact forces by tip (3k,)
+    health: Array
+
+
+class Replay(NamedTuple):
+    """What a law did at times (T,): all rows (T, …)."""
+
+    forces: Array  # Γ (T, m)
+    rate: Array  # ẋ (T, size)
+    contact: Array  # contact forces by tip (T, 3k)
+    load: Array  # external generalised forces (T, 6 + N)
+
+
+class Watch(Protocol):
+    """Something that looks at a motion, and knows where it meets a singularity."""
+
+    def look(self, x: Array) -> tuple[int, str]:
+        """How many of the flat states (T, size) come before a singularity; and which, empty for none."""
+
+    def explain(self) -> str:
+        """Why the motion may have failed after the last look; empty where nothing is known."""
+
+
+@dataclass(frozen=True)
+class Law:
+    """What a controller gives to be compiled, and the rows of numbers by which the compiled law acts.
+
+    kernel and derivative are functions (robot, *outputs, places) that make the kernels of the motion
+    under the law and of its ∂ẋ/∂x. The first of the rows (r, n) holds from the beginning, and from each
+    of the times `starts` on the next.
+    """
+
+    kernel: Callable[..., Kernel]
+    derivative: Callable[..., Kernel]
+    rows: Array
+    starts: Array = field(default_factory=lambda: np.zeros(0))  # (r − 1,) s
+    outputs: tuple[Output, ...] = ()
+    differentiable: bool = True  # whether the derivative holds for this robot and these outputs
+    watch: Watch | None = None  # what looks out for singularities during one simulation
