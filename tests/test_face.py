@@ -1,9 +1,24 @@
 """The public face: names under which other programs call the library."""
 
+import ast
+import inspect
+from importlib import import_module
+
 import numpy as np
 import pytest
 
 import parflex as pf
+
+
+def test_type_checkers_see_what_is_loaded_at_first_use():
+    """The imports for type checkers are of every public name, from the module where it is defined."""
+    told = {}
+    for node in ast.walk(ast.parse(inspect.getsource(pf))):
+        if isinstance(node, ast.ImportFrom) and node.module.startswith("parflex"):
+            told |= {name.name: node.module for name in node.names if name.asname == name.name}
+    assert set(told) == {*pf.__all__, "__version__"}
+    for name, module in told.items():
+        assert getattr(pf, name) is getattr(import_module(module), name)
 
 
 @pytest.mark.parametrize(

@@ -9,88 +9,86 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
-from parflex.base.errors import DynamicSingularity, InputError, NotConverged, OutOfReach, SingularPose
 from parflex.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
-    from parflex import fe, robots
-    from parflex.export.export import export_c
-    from parflex.files.robot_file import load_robot
-    from parflex.mechanics.output import FrameOutput, PointOutput
-    from parflex.model.model import Model
-    from parflex.robot.body import FlexibleBody
-    from parflex.robot.leg import Joint, Leg, Tip
-    from parflex.robot.modes import Modes
-    from parflex.robot.moments import Moments
-    from parflex.robot.robot import Robot
-    from parflex.robot.state import State
-    from parflex.robot.wrench import Wrench
-    from parflex.simulation.laws import ComputedTorque, Controller, JointPD
-    from parflex.simulation.result import Result, load_result
-    from parflex.simulation.simulate import simulate
-    from parflex.simulation.trajectory import Trajectory
-    from parflex.views.viewer import View, view
+    from parflex import fe as fe, robots as robots
+    from parflex.analysis.mobility import Mobility as Mobility
+    from parflex.analysis.zero_dynamics import OutputReport as OutputReport
+    from parflex.base.errors import (
+        DynamicSingularity as DynamicSingularity,
+        InputError as InputError,
+        NotConverged as NotConverged,
+        OutOfReach as OutOfReach,
+        SingularPose as SingularPose,
+    )
+    from parflex.export.export import export_c as export_c
+    from parflex.files.robot_file import load_robot as load_robot
+    from parflex.mechanics.cartesian import Cartesian as Cartesian
+    from parflex.mechanics.energy import Energies as Energies
+    from parflex.mechanics.ordering import Joints as Joints
+    from parflex.mechanics.output import (
+        FrameOutput as FrameOutput,
+        Output as Output,
+        PointOutput as PointOutput,
+    )
+    from parflex.model.flat import Compiled as Compiled
+    from parflex.model.model import Model as Model
+    from parflex.model.results import (
+        Accelerations as Accelerations,
+        DirectJacobian as DirectJacobian,
+        Forces as Forces,
+        InverseJacobian as InverseJacobian,
+        Reactions as Reactions,
+    )
+    from parflex.robot.body import FlexibleBody as FlexibleBody
+    from parflex.robot.leg import Joint as Joint, Leg as Leg, Tip as Tip
+    from parflex.robot.modes import Modes as Modes
+    from parflex.robot.moments import Moments as Moments
+    from parflex.robot.robot import Robot as Robot
+    from parflex.robot.state import State as State
+    from parflex.robot.wrench import Wrench as Wrench
+    from parflex.simulation.laws import (
+        ComputedTorque as ComputedTorque,
+        Controller as Controller,
+        JointPD as JointPD,
+    )
+    from parflex.simulation.result import Result as Result, load_result as load_result
+    from parflex.simulation.simulate import simulate as simulate
+    from parflex.simulation.trajectory import Trajectory as Trajectory
+    from parflex.views import plot as plot
+    from parflex.views.viewer import View as View, view as view
 
-
-_HOME = {  # loaded at first use, so that `import parflex` is quick
-    "ComputedTorque": "simulation.laws",
-    "Controller": "simulation.laws",
-    "FlexibleBody": "robot.body",
-    "FrameOutput": "mechanics.output",
-    "Joint": "robot.leg",
-    "JointPD": "simulation.laws",
-    "Leg": "robot.leg",
-    "Model": "model.model",
-    "Modes": "robot.modes",
-    "Moments": "robot.moments",
-    "PointOutput": "mechanics.output",
-    "Result": "simulation.result",
-    "Robot": "robot.robot",
-    "State": "robot.state",
-    "Tip": "robot.leg",
-    "Trajectory": "simulation.trajectory",
-    "View": "views.viewer",
-    "Wrench": "robot.wrench",
-    "export_c": "export.export",
-    "load_result": "simulation.result",
-    "load_robot": "files.robot_file",
-    "simulate": "simulation.simulate",
-    "view": "views.viewer",
+_NAMES = {  # of each module; loaded at first use, so that `import parflex` is quick
+    "analysis.mobility": "Mobility",
+    "analysis.zero_dynamics": "OutputReport",
+    "base.errors": "DynamicSingularity InputError NotConverged OutOfReach SingularPose",
+    "export.export": "export_c",
+    "files.robot_file": "load_robot",
+    "mechanics.cartesian": "Cartesian",
+    "mechanics.energy": "Energies",
+    "mechanics.ordering": "Joints",
+    "mechanics.output": "FrameOutput Output PointOutput",
+    "model.flat": "Compiled",
+    "model.model": "Model",
+    "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
+    "robot.body": "FlexibleBody",
+    "robot.leg": "Joint Leg Tip",
+    "robot.modes": "Modes",
+    "robot.moments": "Moments",
+    "robot.robot": "Robot",
+    "robot.state": "State",
+    "robot.wrench": "Wrench",
+    "simulation.laws": "ComputedTorque Controller JointPD",
+    "simulation.result": "Result load_result",
+    "simulation.simulate": "simulate",
+    "simulation.trajectory": "Trajectory",
+    "views.viewer": "View view",
 }
-_MODULES = {"fe": "fe", "robots": "robots", "plot": "views.plot"}
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
+_MODULES = {"fe": "fe", "plot": "views.plot", "robots": "robots"}
 
-__all__ = [
-    "ComputedTorque",
-    "Controller",
-    "DynamicSingularity",
-    "FlexibleBody",
-    "FrameOutput",
-    "InputError",
-    "Joint",
-    "JointPD",
-    "Leg",
-    "Model",
-    "Modes",
-    "Moments",
-    "NotConverged",
-    "OutOfReach",
-    "PointOutput",
-    "Result",
-    "Robot",
-    "SingularPose",
-    "State",
-    "Tip",
-    "Trajectory",
-    "View",
-    "Wrench",
-    "export_c",
-    "fe",
-    "load_result",
-    "load_robot",
-    "robots",
-    "simulate",
-    "view",
-]
+__all__ = sorted([*_HOME, *_MODULES])
 
 
 def __getattr__(name: str) -> Any:
@@ -107,4 +105,4 @@ def __getattr__(name: str) -> Any:
 
 
 def __dir__() -> list[str]:
-    return sorted([*__all__, "__version__"])
+    return [*__all__, "__version__"]

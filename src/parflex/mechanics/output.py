@@ -22,7 +22,7 @@ class Output(ABC):
     """
 
     def check_rows(self, rows: Any) -> tuple[int, ...]:
-        """The rows as integers."""
+        """The rows as integers; raises InputError where one is none of 0 … 5, or named twice."""
         name = f"{type(self).__name__}.rows"
         given = rows if isinstance(rows, (tuple, list, range)) else ()
         found = tuple(integer(name, row) for row in given)
