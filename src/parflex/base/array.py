@@ -18,7 +18,12 @@ Given = Any  # a field that takes anything array-like and holds a checked float 
 
 
 def stack(parts: Sequence[Any], axis: int = -1) -> Array:
-    """Scalars or arrays of equal trailing shape, broadcast together and stacked along a new axis."""
+    """Scalars or arrays of equal trailing shape, broadcast together and stacked along a new axis.
+
+    >>> stack([1.0, np.array([2.0, 3.0])])
+    array([[1., 2.],
+           [1., 3.]])
+    """
     return np.stack(np.broadcast_arrays(*parts), axis=axis)
 
 
@@ -46,7 +51,11 @@ def merged(a: Array) -> Array:
 
 
 def split(flat: Array, shapes: Sequence[tuple[int, ...]]) -> list[Array]:
-    """The parts (…, *shape) that lie side by side in the last axis."""
+    """The parts (…, *shape) that lie side by side in the last axis.
+
+    >>> split(np.arange(5.0), [(3,), (1, 2)])
+    [array([0., 1., 2.]), array([[3., 4.]])]
+    """
     ends = pairwise(np.cumsum([0, *(math.prod(shape) for shape in shapes)]))
     return [
         flat[..., first:last].reshape(flat.shape[:-1] + shape)
@@ -99,7 +108,12 @@ def cross(a: Array, b: Array) -> Array:
 
 
 def skew(a: Array) -> Array:
-    """The matrix â with â b = a × b."""
+    """The matrix â with â b = a × b.
+
+    >>> a, b = np.array([1.0, 2.0, 3.0]), np.array([4.0, 5.0, 6.0])
+    >>> skew(a) @ b, cross(a, b)
+    (array([-3.,  6., -3.]), array([-3.,  6., -3.]))
+    """
     x, y, z = a[..., 0], a[..., 1], a[..., 2]
     return matrix([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
 

@@ -8,7 +8,13 @@ from parflex.base.array import Array, matrix, stack
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
-    """R (…, 3, 3) of a quaternion (…, 4) of any length but zero."""
+    """R (…, 3, 3) of a quaternion (…, 4) of any length but zero.
+
+    >>> rotation_from_quaternion(np.array([0.0, 0.0, 0.0, 1.0]))  # half a turn about z
+    array([[-1.,  0.,  0.],
+           [ 0., -1.,  0.],
+           [ 0.,  0.,  1.]])
+    """
     n = quaternion / np.sqrt(np.sum(quaternion * quaternion, axis=-1))[..., None]
     w, x, y, z = n[..., 0], n[..., 1], n[..., 2], n[..., 3]
     return matrix(
@@ -94,5 +100,9 @@ def exact_cos_sin(angle: Array) -> tuple[Array, Array]:
 
 
 def within_half_a_turn(angle: Array) -> Array:
-    """The angle in [−π, π), rad."""
+    """The angle in [−π, π), rad.
+
+    >>> float(np.rad2deg(within_half_a_turn(np.deg2rad(270.0))))
+    -90.0
+    """
     return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
