@@ -16,7 +16,6 @@ from measures import relative
 from parflex.app.json_schema import ALL_SCHEMAS
 from parflex.app.templates import write_templates
 from parflex.fe.modal_file import FIELDS, MOMENTS, save_body
-from parflex.files.leg_tables import NUMBERS
 from parflex.files.lines import line_of
 from parflex.robots.gough_stewart import links
 from places import DOCS
@@ -409,12 +408,6 @@ a = 1
 )
 def test_lines_of_values(where, line):
     assert line_of(LINES, where) == line
-
-
-def test_every_number_of_a_joint_has_a_field():
-    """The table of names covers the dataclass; the rest is flags, vectors and limits."""
-    others = {"antecedent", "sigma", "mu", "MS", "I", "q_min", "q_max"}
-    assert set(NUMBERS.values()) | others == set(vars(links()[0]))
 
 
 @pytest.mark.parametrize("name", ["robot", "trajectory"])

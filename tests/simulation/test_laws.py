@@ -11,7 +11,7 @@ import parflex as pf
 from measures import relative
 from parflex.app.trajectory_file import planned_controller, read_plan, start_of, trajectory_of
 from parflex.app.trajectory_schema import trajectory_table
-from parflex.files.quantity import NUMBER
+from parflex.base.kinds import NUMBER
 from parflex.kernels.motion import motion
 from parflex.kernels.motion_jacobian import motion_jacobian
 from parflex.mechanics import dynamics

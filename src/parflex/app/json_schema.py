@@ -5,10 +5,10 @@ from collections.abc import Callable
 from typing import Any
 
 from parflex.app.trajectory_schema import trajectory_table
-from parflex.files.robot_schema import RobotTable
+from parflex.files.robot_schema import robot_table
 
 ALL_SCHEMAS: dict[str, Callable[[], dict[str, Any]]] = {
-    "robot": RobotTable.model_json_schema,
+    "robot": robot_table().model_json_schema,
     "trajectory": trajectory_table().model_json_schema,
 }
 

@@ -5,16 +5,17 @@ from typing import Annotated, Any, Literal, Union
 
 from pydantic import Discriminator, Field, Tag, create_model
 
-from parflex.files import quantity
-from parflex.files.quantity import Kind
+from parflex.base import kinds
+from parflex.base.check import NOT_NEGATIVE, POSITIVE
+from parflex.base.kinds import Kind
 from parflex.files.tables import ZEROS, Measure, Point, Rotation, Table, Time, Whole, several
 from parflex.simulation.laws import ALL_LAWS
 from parflex.simulation.laws.controller import INDEX, NEEDED, Controller
 
 FORMAT = "parflex-trajectory-1"
 
-Lasting = Annotated[float, Measure(quantity.TIME, negative=False, zero=False)]
-Tolerance = Annotated[float, Measure(quantity.NUMBER, negative=False, zero=False)]
+Lasting = Annotated[float, Measure(kinds.TIME, POSITIVE)]
+Tolerance = Annotated[float, Measure(kinds.NUMBER, POSITIVE)]
 
 
 class MoveTable(Table):
@@ -66,7 +67,7 @@ def type_of(measure: Kind) -> Any:
     """A list of whole numbers, or one number for all freedoms, or a list with one for each."""
     if measure is INDEX:
         return list[Whole]
-    number = Annotated[float, Measure(measure, negative=False)]
+    number = Annotated[float, Measure(measure, NOT_NEGATIVE)]
     return Annotated[
         Annotated[number, Tag("one")] | Annotated[list[number], Tag("each")], Discriminator(several)
     ]

@@ -1,16 +1,44 @@
 """Checks at the door: what came, what was expected, what to do."""
 
 import math
-from typing import Any
+from collections.abc import Callable
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.array import Array
+from parflex.base.array import Array, transpose
 from parflex.base.errors import InputError
 from parflex.base.spatial import off_orthonormal
 
 ORTHONORMAL = 1e-9  # RᵀR − 1 of what is still a rotation
+
+
+class Rule(NamedTuple):
+    """What a value must keep: where an array breaks it, and the rule in words."""
+
+    broken: Callable[[Array], Any]
+    words: str
+
+
+def unsymmetric(matrix: Array) -> Any:
+    """Where matrices (…, n, n) differ from their transposes by more than 1e-12 of their size."""
+    size = np.max(np.abs(matrix), axis=(-2, -1), keepdims=True)
+    return np.abs(matrix - transpose(matrix)) > 1e-12 * size
+
+
+NOT_NEGATIVE = Rule(lambda value: value < 0, "it cannot be negative")
+POSITIVE = Rule(lambda value: value <= 0, "it must be positive")
+FLAG = Rule(lambda value: value > 1, "it must be 0 or 1")
+SYMMETRIC = Rule(unsymmetric, "it must be symmetric, with products of inertia as matrix entries")
+
+
+def obeying(name: str, array: Array, rule: Rule) -> Array:
+    """The array itself; raises InputError that names the first entry which breaks the rule."""
+    bad = np.broadcast_to(rule.broken(array), array.shape)
+    if np.any(bad):
+        raise InputError(f"{name} is {array[bad][0]}{index_of(bad)}; {rule.words}")
+    return array
 
 
 def scalar(name: str, value: Any) -> float:
@@ -20,10 +48,7 @@ def scalar(name: str, value: Any) -> float:
 
 def positive(name: str, value: Any) -> float:
     """One finite number above zero."""
-    number = scalar(name, value)
-    if number <= 0:
-        raise InputError(f"{name} is {number}; it must be positive")
-    return number
+    return float(obeying(name, finite(name, value, ()), POSITIVE))
 
 
 def integer(name: str, value: Any, lowest: int = 0) -> int:
@@ -99,6 +124,11 @@ def rotation_matrix(name: str, value: ArrayLike) -> Array:
             f"scipy.spatial.transform.Rotation"
         )
     return R
+
+
+def single_rotation(name: str, value: ArrayLike) -> Array:
+    """One rotation matrix (3, 3), as `rotation_matrix` wants it."""
+    return rotation_matrix(name, exactly(name, value, (3, 3)))
 
 
 def index_of(bad: Array) -> str:

@@ -9,28 +9,13 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.files.leg_schema import AnyJoint, ChainTable, LegTable, TipTable
+from parflex.base.kinds import POSITION
+from parflex.files.joint_table import JointTable, joint_of
+from parflex.files.leg_schema import ChainTable, LegTable, TipTable
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
-from parflex.files.tables import inertia_matrix, rotation_matrix
+from parflex.files.tables import rotation_matrix
 from parflex.robot.leg import Joint, Leg, Tip
-
-# fields of a joint that are plain numbers: in the file, in the table of Sec. 3
-NUMBERS = {
-    "gamma": "gamma",
-    "b": "b",
-    "alpha": "alpha",
-    "d": "d",
-    "theta": "theta",
-    "r": "r",
-    "mass": "M",
-    "rotor_inertia": "IA",
-    "viscous": "Fv",
-    "coulomb": "Fs",
-    "coulomb_rate": "v_s",
-    "stiffness": "k",
-    "rest": "q_0",
-}
 
 
 class Parts(NamedTuple):
@@ -54,27 +39,11 @@ def chain(reader: Reader, name: str, table: ChainTable) -> Parts | None:
     return Parts(name, table, joints, tuple(found for found in tips if found is not None))
 
 
-def grown(joints: tuple[Joint, ...], row: AnyJoint) -> tuple[Joint, ...]:
+def grown(joints: tuple[Joint, ...], row: JointTable) -> tuple[Joint, ...]:
     """A tree with one joint more, checked as a leg."""
-    more = (*joints, joint(row, len(joints)))
+    more = (*joints, joint_of(row, len(joints)))
     Leg(np.eye(3), np.zeros(3), more, (Tip(len(more)),))
     return more
-
-
-def joint(row: AnyJoint, before: int) -> Joint:
-    """A joint with `before` joints before it."""
-    com = (0.0, 0.0, 0.0) if row.com is None else row.com
-    MS = row.mass * np.array(com) if row.first_moment is None else row.first_moment
-    return Joint(
-        before if row.antecedent is None else row.antecedent,
-        row.sigma,
-        int(row.actuated),
-        MS=MS,
-        I=inertia_matrix(row.inertia),
-        q_min=-np.inf if row.min is None else row.min,
-        q_max=np.inf if row.max is None else row.max,
-        **{symbol: getattr(row, field) for field, symbol in NUMBERS.items()},
-    )
 
 
 def tip(joints: tuple[Joint, ...], row: TipTable) -> Tip:
@@ -129,9 +98,9 @@ def posture_of(known: Parts, given: Sequence[Any] | None) -> Array | None:
     return np.array([entry(j, value, row) for j, (value, row) in enumerate(zip(given, rows, strict=True))])
 
 
-def entry(number: int, value: Any, row: AnyJoint) -> float:
+def entry(number: int, value: Any, row: JointTable) -> float:
     """One joint value of a posture."""
     try:
-        return convert(value, row.measure)
+        return convert(value, POSITION.of(row.sigma))
     except InputError as error:
         raise InputError(f"posture[{number}] {error}") from None

@@ -2,53 +2,16 @@
 
 import math
 import re
-from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
 from parflex.base.errors import InputError
+from parflex.base.kinds import ANGLE, Kind
 
 WITH_UNIT = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1\s*/|[^\d\s]).*?)\s*")
 
 # pint takes all of these, and percent, for plain numbers; an angle must be named
 ANGLES = {"radian", "milliradian", "degree", "arcminute", "arcsecond", "turn"}
-
-
-@dataclass(frozen=True)
-class Kind:
-    """What a number measures: in words, its SI unit, and how it may be written."""
-
-    words: str
-    unit: str
-    example: str
-
-    @property
-    def expected(self) -> str:
-        """'a length in m, such as 0.3 or "300 mm"'; without a unit, 'a number, such as 0.3'."""
-        unit = f" in {self.unit}" if self.unit else ""
-        return f"{self.words}{unit}, such as {self.example}"
-
-
-NUMBER = Kind("a number", "", "0.3")
-LENGTH = Kind("a length", "m", '0.3 or "300 mm"')
-ANGLE = Kind("an angle", "rad", '0.5 or "30 deg"')
-MASS = Kind("a mass", "kg", '1.5 or "1500 g"')
-FIRST_MOMENT = Kind("a first moment", "kg m", '0.2 or "200 kg mm"')
-INERTIA = Kind("an inertia", "kg m^2", '0.02 or "2e4 kg mm^2"')
-FORCE = Kind("a force", "N", '20 or "0.02 kN"')
-TORQUE = Kind("a torque", "N m", '2 or "2000 N mm"')
-SPEED = Kind("a speed", "m/s", '0.001 or "1 mm/s"')
-TURN_RATE = Kind("an angular rate", "rad/s", '0.001 or "0.1 deg/s"')
-LINEAR_DAMPING = Kind("a damping", "N s/m", '50 or "0.05 N s/mm"')
-ANGULAR_DAMPING = Kind("a damping", "N m s/rad", '0.5 or "0.01 N m s/deg"')
-LINEAR_STIFFNESS = Kind("a stiffness", "N/m", '2e5 or "200 N/mm"')
-ANGULAR_STIFFNESS = Kind("a stiffness", "N m/rad", '30 or "0.5 N m/deg"')
-PRESSURE = Kind("a modulus", "Pa", '70e9 or "70 GPa"')
-DENSITY = Kind("a density", "kg/m^3", '2700 or "2.7 g/cm^3"')
-ACCELERATION = Kind("an acceleration", "m/s^2", '-9.81 or "-9.81 m/s^2"')
-TIME = Kind("a time", "s", '0.5 or "500 ms"')
-RATE_GAIN = Kind("a gain", "1/s", "40")
-POSE_GAIN = Kind("a gain", "1/s^2", "400")
 
 
 def convert(value: Any, kind: Kind) -> float:

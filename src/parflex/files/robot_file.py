@@ -10,9 +10,10 @@ from parflex.base.array import Array
 from parflex.files.leg_tables import chain, leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
-from parflex.files.robot_schema import HomeTable, RobotTable
+from parflex.files.robot_schema import HomeTable, RobotTable, robot_table
 from parflex.files.standing import check_mobility, check_posture, joints_at_home
 from parflex.files.tables import rotation_matrix
+from parflex.robot.leg import Joint
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 
@@ -28,22 +29,24 @@ class RobotFile(NamedTuple):
     table: RobotTable
 
 
-def load_robot(path: str | os.PathLike[str]) -> Robot:
+def load_robot(path: str | os.PathLike[str], *, joint: type[Joint] = Joint) -> Robot:
     """The robot that a file describes (docs/robot-files.md).
+
+    `joint` is the class of its joints, for those who gave `Joint` more fields.
 
     Raises InputError, before anything is computed, with up to five complaints about the file, each
     a sentence that begins with its name and the line.
     """
-    file = read_robot(path)
+    file = read_robot(path, joint)
     if file.table.mobility is not None:
         check_standing(file)
     return file.robot
 
 
-def read_robot(path: str | os.PathLike[str]) -> RobotFile:
+def read_robot(path: str | os.PathLike[str], joint: type[Joint] = Joint) -> RobotFile:
     """As `load_robot`, with the names that the file gives."""
     reader = Reader(path)
-    table = reader.table(RobotTable)
+    table = reader.table(robot_table(joint))
     home = reader.attempt(("home",), place, table.home)
     parts = {name: chain(reader, name, given) for name, given in table.chain.items()}
     reader.stop()

@@ -2,11 +2,12 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
+from parflex.base import kinds
+from parflex.base.check import POSITIVE
 from parflex.base.errors import InputError
-from parflex.files import quantity
-from parflex.files.leg_schema import ChainTable, LegTable
+from parflex.files.leg_schema import ChainTable, LegTable, chain_table
 from parflex.files.tables import (
     THREE,
     ZEROS,
@@ -22,6 +23,7 @@ from parflex.files.tables import (
     Whole,
     several,
 )
+from parflex.robot.leg import Joint
 
 FORMAT = "parflex-robot-1"
 
@@ -37,7 +39,7 @@ class RigidTable(Table):
     """A rigid platform."""
 
     kind: Literal["rigid"]
-    mass: Annotated[float, Measure(quantity.MASS, negative=False, zero=False)] = Field(description="in kg")
+    mass: Annotated[float, Measure(kinds.MASS, POSITIVE)] = Field(description="in kg")
     com: Point | None = Field(None, description="centre of mass; by default the frame's origin")
     inertia: Inertia | None = Field(None, description="about the centre of mass: XX YY ZZ XY XZ YZ")
     first_moment: Moments3 | None = Field(None, description="∫ r dm, with second_moment")
@@ -54,7 +56,7 @@ class RigidTable(Table):
         return self
 
 
-Acceleration = Annotated[float, Measure(quantity.ACCELERATION)]
+Acceleration = Annotated[float, Measure(kinds.ACCELERATION)]
 Corner = Annotated[list[Length], Field(min_length=2, max_length=2)]
 Ratios = Annotated[
     Annotated[Number, Tag("one")] | Annotated[list[Number], Tag("each")],
@@ -68,9 +70,9 @@ class PolygonTable(Table):
     kind: Literal["polygon"]
     corners: list[Corner] = Field(description="[x, y] in order around the outline")
     thickness: Length
-    young: Annotated[float, Measure(quantity.PRESSURE)] = Field(description="Young's modulus")
+    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
     poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(quantity.DENSITY)]
+    density: Annotated[float, Measure(kinds.DENSITY)]
     modes: Whole | None = Field(
         None, description="free-free modes, 0 for a rigid plate; by default a basis right for the joints"
     )
@@ -94,9 +96,9 @@ class SolidTable(Table):
     file: str = Field(description="STEP file or mesh, relative to the robot file")
     unit: str | None = Field(None, description='of the file: "mm", "m", "inch"; STEP files name theirs')
     size: Length | None = Field(None, description="largest edge of elements; by default enough")
-    young: Annotated[float, Measure(quantity.PRESSURE)] = Field(description="Young's modulus")
+    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
     poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(quantity.DENSITY)]
+    density: Annotated[float, Measure(kinds.DENSITY)]
     modes: Whole | None = Field(
         None, description="free-free modes beside attachment modes; by default as many as are right"
     )
@@ -150,3 +152,10 @@ class RobotTable(Table):
     platform: RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable = Field(
         discriminator="kind", description="the table [platform]"
     )
+
+
+def robot_table(joint: type[Joint] = Joint) -> type[RobotTable]:
+    """The table of a robot whose joints are of a class, `Joint` or one with more fields."""
+    made: Any = chain_table(joint)
+    chain = (dict[str, made], RobotTable.model_fields["chain"])
+    return create_model("RobotTable", __base__=RobotTable, __doc__=RobotTable.__doc__, chain=chain)

@@ -11,15 +11,13 @@ import tomli_w
 
 from parflex.base.writing import replacing
 from parflex.fe.modal_file import save_body
-from parflex.files.leg_schema import Prismatic, Revolute
-from parflex.files.leg_tables import NUMBERS
+from parflex.files.joint_table import entries_of
 from parflex.files.platform_tables import rigid_table
 from parflex.files.robot_schema import FORMAT
 from parflex.robot.body import FlexibleBody
-from parflex.robot.leg import Joint, Leg
+from parflex.robot.leg import Leg
 from parflex.robot.robot import Robot
 
-ALL_TYPES = {table.sigma: table for table in (Revolute, Prismatic)}
 # arrays without strings and tables, which fit on a line
 SPREAD = re.compile(r"\[\s+([-+.\w\s,\[\]]*?),\s+\](?=\n)")
 PADDING = re.compile(r"(?<=\[) |,(?= ?\])| (?=\])")
@@ -85,7 +83,7 @@ def legs_of(legs: Sequence[Leg]) -> tuple[Tables, list[Tables]]:
 def chain_of(leg: Leg) -> Tables:
     """Joints and tips; repr tells all floats apart, -0.0 from 0.0 too."""
     tips = [{"frame": tip.frame, "offset": np.asarray(tip.offset).tolist()} for tip in leg.tips]
-    return {"joints": [joint_of(joint, before) for before, joint in enumerate(leg.joints)], "tips": tips}
+    return {"joints": [entries_of(joint, before) for before, joint in enumerate(leg.joints)], "tips": tips}
 
 
 def leg_of(leg: Leg, chain: str) -> Tables:
@@ -93,32 +91,6 @@ def leg_of(leg: Leg, chain: str) -> Tables:
     row: Tables = {"chain": chain, "attachments": [tip.attachment for tip in leg.tips]}
     row |= {"origin": np.asarray(leg.origin).tolist(), "rotation": np.asarray(leg.rotation).tolist()}
     return row if leg.posture is None else row | {"posture": np.asarray(leg.posture).tolist()}
-
-
-def joint_of(joint: Joint, before: int) -> Tables:
-    """A joint without what is as the file format has it by default."""
-    kind = ALL_TYPES[joint.sigma]
-    limits = {"min": float(joint.q_min), "max": float(joint.q_max)}
-    values = {
-        "actuated": bool(joint.mu),
-        **{field: getattr(joint, symbol) for field, symbol in NUMBERS.items()},
-        "first_moment": np.asarray(joint.MS).tolist(),
-        "inertia": inertia_of(np.asarray(joint.I)),
-        **{name: limit for name, limit in limits.items() if np.isfinite(limit)},
-    }
-    usual = {name: field.default for name, field in kind.model_fields.items()}
-    usual |= {"first_moment": [0.0, 0.0, 0.0]}
-    own = {name: value for name, value in values.items() if repr(value) != repr(usual[name])}
-    name = {0: "revolute", 1: "prismatic"}[joint.sigma]
-    far = {} if joint.antecedent == before else {"antecedent": joint.antecedent}
-    return {"type": name, **far, **own}
-
-
-def inertia_of(matrix: Any) -> list[Any]:
-    """Six numbers, or the matrix where it is symmetric to round-off only."""
-    if repr(matrix.tolist()) != repr(matrix.T.tolist()):
-        return list(matrix.tolist())
-    return [float(matrix[at]) for at in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
 
 
 def on_lines(text: str) -> str:

@@ -8,10 +8,12 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Strict, Tag
 from pydantic_core import core_schema
 
+from parflex.base import kinds
 from parflex.base.array import Array, without_roundoff
+from parflex.base.check import NOT_NEGATIVE, Rule
 from parflex.base.errors import InputError
-from parflex.files import quantity
-from parflex.files.quantity import Kind, convert
+from parflex.base.kinds import Kind
+from parflex.files.quantity import convert, shown
 
 
 class Table(BaseModel):
@@ -22,11 +24,10 @@ class Table(BaseModel):
 
 @dataclass(frozen=True)
 class Measure:
-    """How pydantic reads a number of a kind: SI, or a text with a unit, perhaps never negative."""
+    """How pydantic reads a number of a kind that keeps a rule: SI, or a text with a unit."""
 
     kind: Kind
-    negative: bool = True
-    zero: bool = True
+    rule: Rule | None = None
 
     def __get_pydantic_core_schema__(self, source: Any, handler: Any) -> core_schema.CoreSchema:
         return core_schema.no_info_plain_validator_function(self.read)
@@ -38,10 +39,8 @@ class Measure:
     def read(self, value: Any) -> float:
         """The SI value; raises InputError, its sentence without a subject."""
         number = convert(value, self.kind)
-        if number < 0 and not self.negative:
-            raise InputError(f"is {quantity.shown(value)}; it cannot be negative")
-        if number == 0 and not self.zero:
-            raise InputError(f"is {quantity.shown(value)}; it must be positive")
+        if self.rule is not None and self.rule.broken(np.asarray(number)):
+            raise InputError(f"is {shown(value)}; {self.rule.words}")
         return number
 
 
@@ -59,13 +58,13 @@ ZEROS = [0.0, 0.0, 0.0]
 THREE: Any = Field(min_length=3, max_length=3)
 
 Whole = Annotated[int, Strict(), Field(ge=0)]
-Number = Annotated[float, Measure(quantity.NUMBER)]
-Length = Annotated[float, Measure(quantity.LENGTH)]
-Angle = Annotated[float, Measure(quantity.ANGLE)]
-Mass = Annotated[float, Measure(quantity.MASS, negative=False)]
-Time = Annotated[float, Measure(quantity.TIME, negative=False)]
-Moment = Annotated[float, Measure(quantity.FIRST_MOMENT)]
-Second = Annotated[float, Measure(quantity.INERTIA)]
+Number = Annotated[float, Measure(kinds.NUMBER)]
+Length = Annotated[float, Measure(kinds.LENGTH)]
+Angle = Annotated[float, Measure(kinds.ANGLE)]
+Mass = Annotated[float, Measure(kinds.MASS, NOT_NEGATIVE)]
+Time = Annotated[float, Measure(kinds.TIME, NOT_NEGATIVE)]
+Moment = Annotated[float, Measure(kinds.FIRST_MOMENT)]
+Second = Annotated[float, Measure(kinds.INERTIA)]
 
 Point = Annotated[list[Length], THREE]
 Moments3 = Annotated[list[Moment], THREE]

@@ -6,38 +6,43 @@ arrays are (…, L, …) and the structure (antecedents, joint types) is shared.
 Source: Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3, 5 and 9.
 """
 
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
 
 from parflex.base.array import Array, cross, dot, matrix, mtv, mv, outer, stack, trace, transpose
 from parflex.base.spatial import exact_cos_sin
+from parflex.robot.fields import Column, described
+from parflex.robot.leg import Leg
 
 E_Z = np.array([0.0, 0.0, 1.0])
 
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """Tables of L trees of n joints; `antecedent[j]` is an index, −1 for the base frame."""
+    """Tables of L trees of n joints; `antecedent[j]` is an index, −1 for the base frame.
+
+    Each field of a joint that is a table there (`columns`) is one here, under the same name:
+    `chain.alpha` (L, n), `chain.MS` (L, n, 3), `chain.I` (L, n, 3, 3) about the frame's origin.
+    """
 
     antecedent: tuple[int, ...]
     sigma: tuple[int, ...]
-    gamma: Array  # (L, n), as all that follow unless noted
-    b: Array
-    alpha: Array
-    d: Array
-    theta: Array
-    r: Array
-    M: Array
-    MS: Array  # (L, n, 3)
-    I: Array  # (L, n, 3, 3), about the frame's origin  # noqa: E741 - the field's symbol
-    IA: Array
-    Fv: Array
-    Fs: Array
-    v_s: Array
-    k: Array
-    q_0: Array
+    columns: Mapping[str, Column]
+    tables: Mapping[str, Array]
+
+    def __getattr__(self, name: str) -> Array:
+        """The table of that name."""
+        try:
+            return vars(self)["tables"][name]
+        except KeyError:
+            raise AttributeError(f"a chain has no table {name!r}", name=name, obj=self) from None
+
+    def with_tables(self, tables: Mapping[str, Array]) -> "Chain":
+        """The chain with some tables in the place of its own."""
+        return replace(self, tables={**self.tables, **tables})
 
     @property
     def n(self) -> int:
@@ -47,6 +52,26 @@ class Chain:
     def path(self, j: int) -> list[int]:
         """The joints from the base to frame j, j included."""
         return [] if j < 0 else [*self.path(self.antecedent[j]), j]
+
+
+def chain_of(leg: Leg) -> Chain:
+    """The tables of one leg; a joint without a field that others have is as by default there."""
+    columns: dict[str, Column] = {}
+    for joint in leg.joints:
+        columns |= {name: column for name, column in described(type(joint)).items() if column.table}
+    tables = {
+        name: np.array([[getattr(joint, name, column.default) for joint in leg.joints]])
+        for name, column in columns.items()
+    }
+    return Chain(tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints), columns, tables)
+
+
+def joined(chains: Sequence[Chain]) -> Chain:
+    """Chains of equal structure as one, their legs one after the other."""
+    first = chains[0]
+    return first.with_tables(
+        {name: np.concatenate([c.tables[name] for c in chains]) for name in first.tables}
+    )
 
 
 class Joints(NamedTuple):

@@ -75,7 +75,7 @@ def retabled(group: LegGroup, values: Values) -> LegGroup:
             table = old.astype(np.result_type(old, value))
             table[group.legs.index(leg), item.number] = value[()]
             tables[item.field] = table
-    return group._replace(chain=replace(group.chain, **tables))
+    return group._replace(chain=group.chain.with_tables(tables))
 
 
 def modal_changes(body: FlexibleBody, values: Values) -> dict[str, Any]:

@@ -1,15 +1,17 @@
 """What a leg is: its table, its tips, and where it stands."""
 
 from dataclasses import dataclass, field
-from typing import Any
+from functools import partial
 
 import numpy as np
 
+from parflex.base import kinds
 from parflex.base.array import Given
-from parflex.base.check import all_of_type, exactly, integer, positive, rotation_matrix, scalar
+from parflex.base.check import FLAG, NOT_NEGATIVE, POSITIVE, all_of_type, exactly, integer, single_rotation
 from parflex.base.errors import InputError
+from parflex.robot.fields import about, check_fields, exact, limit, number, symmetric, vector
 
-NOT_NEGATIVE = ("M", "IA", "Fv", "Fs", "k")  # of a joint's numbers
+RUN_TIME = {"parameter": True, "alike": False}  # legs that are traced as one may differ in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,47 +31,48 @@ class Joint:
     negative, v_s is not positive, I is not symmetric, or q_min is not below q_max.
     """
 
-    antecedent: int
-    sigma: int
-    mu: int = 0
-    gamma: float = 0.0
-    b: float = 0.0
-    alpha: float = 0.0
-    d: float = 0.0
-    theta: float = 0.0
-    r: float = 0.0
-    M: float = 0.0
-    MS: Given = (0.0, 0.0, 0.0)
-    I: Given = field(default_factory=lambda: np.zeros((3, 3)))  # noqa: E741 - the field's symbol
-    IA: float = 0.0
-    Fv: float = 0.0
-    Fs: float = 0.0
-    v_s: float = 1e-3
-    k: float = 0.0
-    q_0: float = 0.0
-    q_min: float = -np.inf
-    q_max: float = np.inf
+    antecedent: int = field(metadata=about(integer))
+    sigma: int = field(metadata=about(integer, rule=FLAG))
+    mu: int = field(default=0, metadata=about(integer, rule=FLAG))
+    gamma: float = number(0.0, kinds.ANGLE, "gamma", "angle about the antecedent's z, to its common normal")
+    b: float = number(0.0, kinds.LENGTH, "b", "offset along the antecedent's z")
+    alpha: float = number(0.0, kinds.ANGLE, "alpha", "angle between the joints' axes, about x")
+    d: float = number(0.0, kinds.LENGTH, "d", "distance between the joints' axes, along x")
+    theta: float = number(0.0, kinds.ANGLE, "theta", "angle about the joint's z; a revolute joint adds to it")
+    r: float = number(0.0, kinds.LENGTH, "r", "distance along the joint's z; a prismatic joint adds to it")
+    M: float = number(0.0, kinds.MASS, "mass", "mass of the link", rule=NOT_NEGATIVE, **RUN_TIME)
+    MS: Given = vector(
+        kinds.FIRST_MOMENT, "first_moment", "mass times centre of mass, instead of com", **RUN_TIME
+    )
+    I: Given = symmetric(  # noqa: E741 - the field's symbol
+        kinds.INERTIA, "inertia", "about the link frame's origin: XX YY ZZ XY XZ YZ", **RUN_TIME
+    )
+    IA: float = number(
+        0.0,
+        kinds.JOINT_INERTIA,
+        "rotor_inertia",
+        "of the motor, as seen at the joint",
+        rule=NOT_NEGATIVE,
+        **RUN_TIME,
+    )
+    Fv: float = number(0.0, kinds.DAMPING, "viscous", "friction per rate", rule=NOT_NEGATIVE, **RUN_TIME)
+    Fs: float = number(
+        0.0, kinds.EFFORT, "coulomb", "friction of constant size", rule=NOT_NEGATIVE, **RUN_TIME
+    )
+    v_s: float = number(
+        1e-3, kinds.RATE, "coulomb_rate", "over which `coulomb` changes sign", rule=POSITIVE, **RUN_TIME
+    )
+    k: float = number(
+        0.0, kinds.STIFFNESS, "stiffness", "of a spring on the joint", rule=NOT_NEGATIVE, **RUN_TIME
+    )
+    q_0: float = number(0.0, kinds.POSITION, "rest", "where the spring is at rest", parameter=True)
+    q_min: float = limit(-np.inf, kinds.POSITION, "min", "lowest joint value; checked, not enforced")
+    q_max: float = limit(np.inf, kinds.POSITION, "max", "highest joint value; checked, not enforced")
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "antecedent", integer("Joint.antecedent", self.antecedent))
-        for name in ("sigma", "mu"):
-            if integer(f"Joint.{name}", getattr(self, name)) > 1:
-                raise InputError(f"Joint.{name} is {getattr(self, name)!r}; it must be 0 or 1")
-        for name in ("gamma", "b", "alpha", "d", "theta", "r", "M", "IA", "Fv", "Fs", "k", "q_0"):
-            object.__setattr__(self, name, scalar(f"Joint.{name}", getattr(self, name)))
-        for name in NOT_NEGATIVE:
-            if getattr(self, name) < 0:
-                raise InputError(f"Joint.{name} is {getattr(self, name)}; it cannot be negative")
-        object.__setattr__(self, "v_s", positive("Joint.v_s", self.v_s))
-        for name in ("q_min", "q_max"):
-            object.__setattr__(self, name, limit(f"Joint.{name}", getattr(self, name)))
+        check_fields(self)
         if not self.q_min < self.q_max:
             raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
-        object.__setattr__(self, "MS", exactly("Joint.MS", self.MS, (3,)))
-        inertia = exactly("Joint.I", self.I, (3, 3))
-        if not np.allclose(inertia, inertia.T, rtol=0, atol=1e-12 * np.abs(inertia).max()):
-            raise InputError("Joint.I is not symmetric; give products of inertia as matrix entries")
-        object.__setattr__(self, "I", inertia)
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,14 +80,12 @@ class Tip:
     """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1) holds
     the platform's attachment number `attachment` (from 0)."""
 
-    frame: int
-    offset: Given = (0.0, 0.0, 0.0)
-    attachment: int = 0
+    frame: int = field(metadata=about(partial(integer, lowest=1)))
+    offset: Given = field(default=(0.0, 0.0, 0.0), metadata=about(exact((3,))))
+    attachment: int = field(default=0, metadata=about(integer))
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "offset", exactly("Tip.offset", self.offset, (3,)))
-        object.__setattr__(self, "frame", integer("Tip.frame", self.frame, 1))
-        object.__setattr__(self, "attachment", integer("Tip.attachment", self.attachment))
+        check_fields(self)
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,22 +99,18 @@ class Leg:
     Raises InputError where the tree has a loop or a tip is on no link.
     """
 
-    rotation: Given
-    origin: Given
-    joints: tuple[Joint, ...]
-    tips: tuple[Tip, ...]
+    rotation: Given = field(metadata=about(single_rotation))
+    origin: Given = field(metadata=about(exact((3,))))
+    joints: tuple[Joint, ...] = field(metadata=about(partial(all_of_type, kind=Joint)))
+    tips: tuple[Tip, ...] = field(metadata=about(partial(all_of_type, kind=Tip)))
     posture: Given = None
 
     def __post_init__(self) -> None:
-        rotation = exactly("Leg.rotation", self.rotation, (3, 3))
-        object.__setattr__(self, "rotation", rotation_matrix("Leg.rotation", rotation))
-        object.__setattr__(self, "origin", exactly("Leg.origin", self.origin, (3,)))
-        object.__setattr__(self, "joints", all_of_type("Leg.joints", self.joints, Joint))
-        object.__setattr__(self, "tips", all_of_type("Leg.tips", self.tips, Tip))
-        for number, joint in enumerate(self.joints, start=1):
-            if not 0 <= joint.antecedent < number:
+        check_fields(self)
+        for j, joint in enumerate(self.joints, start=1):
+            if not 0 <= joint.antecedent < j:
                 raise InputError(
-                    f"Leg.joints: joint {number} has antecedent {joint.antecedent}; it must be a "
+                    f"Leg.joints: joint {j} has antecedent {joint.antecedent}; it must be a "
                     f"lower joint number, or 0 for the base, so that the tree has no loop"
                 )
         if not self.tips:
@@ -127,7 +124,7 @@ class Leg:
     @property
     def structure(self) -> tuple[object, ...]:
         """What two legs must share to be computed in one pass."""
-        joints = tuple((j.antecedent, j.sigma, j.mu) for j in self.joints)
+        joints = tuple((type(j), j.antecedent, j.sigma, j.mu) for j in self.joints)
         return joints, tuple(t.frame for t in self.tips)
 
     @property
@@ -144,12 +141,6 @@ class Leg:
     def word(self) -> str:
         """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'."""
         return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints)
-
-
-def limit(name: str, value: Any) -> float:
-    """One number, which may be infinite."""
-    endless = isinstance(value, (float, np.floating)) and np.isinf(value)
-    return float(value) if endless else scalar(name, value)
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:

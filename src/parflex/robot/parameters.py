@@ -11,27 +11,32 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, join, transpose
-from parflex.base.check import finite, index_of
+from parflex.base.array import Array, join
+from parflex.base.check import NOT_NEGATIVE, Rule, finite, obeying
 from parflex.base.errors import InputError
 from parflex.robot.body import FlexibleBody, modal_masses
-from parflex.robot.leg import NOT_NEGATIVE
+from parflex.robot.fields import Column, described
+from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robot.robot import Robot
 
-OF_LINKS: dict[str, tuple[int, ...]] = {
-    "M": (), "MS": (3,), "I": (3, 3), "IA": (), "Fv": (), "Fs": (), "v_s": (), "k": (), "q_0": ()
-}  # fmt: skip
 OF_MODES = ("frequencies", "damping_ratio")
-GEOMETRY = re.compile(
-    r"(antecedent|sigma|mu|gamma|b|alpha|d|theta|r|q_min|q_max|rotation|origin|tips|offset|attachment|posture|"
-    r"home_pose|nodes|shapes|rotation_shapes|attachments)(\[.*)?"
-)
 LINK = re.compile(r"legs\[(\d+|\*)\]\.joints\[(\d+)\]\.(\w+)", re.ASCII)
 PAYLOAD = re.compile(r"platform\.payload\[(\d+)\]", re.ASCII)
+
+
+def of_joint(joint: type[Joint]) -> dict[str, Column]:
+    """The fields of a joint that are parameters, by name."""
+    return {name: column for name, column in described(joint).items() if column.parameter}
+
+
 KINDS = (
-    "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(OF_LINKS) + ", "
+    "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(of_joint(Joint)) + ", "
     "platform.frequencies, platform.damping_ratio, and platform.payload[node]; indices count from 0"
 )
+GEOMETRY = (
+    {name for kind in (Joint, Tip, Leg) for name in described(kind)} - set(of_joint(Joint)) - {"joints"}
+)
+GEOMETRY |= {"posture", "home_pose", "nodes", "shapes", "rotation_shapes", "attachments"}
 
 Values = Mapping[str, Any]
 
@@ -44,6 +49,7 @@ class Parameter(NamedTuple):
     shape: tuple[int, ...]
     legs: tuple[int, ...] = ()
     number: int = 0  # of a joint, or of the node that a payload is on
+    rule: Rule | None = None
 
     @property
     def size(self) -> int:
@@ -127,14 +133,16 @@ def parameter(robot: Robot, name: object) -> Parameter:
         return Parameter(text, text, (3,))
     place, _, field = text.rpartition(".")
     if place == "platform" and field in OF_MODES and robot.platform.modes:
-        return Parameter(text, field, (robot.platform.modes,))
+        return Parameter(text, field, (robot.platform.modes,), rule=NOT_NEGATIVE)
     if (found := PAYLOAD.fullmatch(text)) and int(found[1]) < len(robot.platform.nodes):
-        return Parameter(text, "payload", (), number=int(found[1]))
-    if (found := LINK.fullmatch(text)) and found[3] in OF_LINKS:
+        return Parameter(text, "payload", (), number=int(found[1]), rule=NOT_NEGATIVE)
+    if found := LINK.fullmatch(text):
         legs = tuple(range(len(robot.legs))) if found[1] == "*" else (int(found[1]),)
-        if all(i < len(robot.legs) and int(found[2]) < len(robot.legs[i].joints) for i in legs):
-            return Parameter(text, found[3], OF_LINKS[found[3]], legs, int(found[2]))
-    if GEOMETRY.fullmatch(field or text):
+        columns = [column_of(robot, i, int(found[2]), field) for i in legs]
+        if columns and columns[0] is not None and None not in columns:
+            column = columns[0]
+            return Parameter(text, field, column.shape, legs, int(found[2]), column.rule)
+    if (field or text).partition("[")[0] in GEOMETRY:
         raise InputError(
             f"parameters: {name!r} is geometry, which is folded into the compiled code; build another robot "
             f"with it. Parameters are {KINDS}"
@@ -146,20 +154,26 @@ def parameter(robot: Robot, name: object) -> Parameter:
     )
 
 
+def column_of(robot: Robot, leg: int, joint: int, field: str) -> Column | None:
+    """What is known of a parameter of a joint; None where the robot has none of that name."""
+    joints = robot.legs[leg].joints if leg < len(robot.legs) else ()
+    return of_joint(type(joints[joint])).get(field) if joint < len(joints) else None
+
+
 def every_name(robot: Robot) -> list[str]:
     """The names of all parameters of a robot."""
-    deepest = max((len(leg.joints) for leg in robot.legs), default=0)
+    places = {
+        f"legs[{which}].joints[{j}].{field}": None
+        for i, leg in enumerate(robot.legs)
+        for which in ("*", i)
+        for j, joint in enumerate(leg.joints)
+        for field in of_joint(type(joint))
+    }
     return [
         "gravity",
         *(f"platform.{field}" for field in OF_MODES if robot.platform.modes),
         *(f"platform.payload[{node}]" for node in range(min(len(robot.platform.nodes), 100))),
-        *(f"legs[*].joints[{j}].{field}" for j in range(deepest) for field in OF_LINKS),
-        *(
-            f"legs[{i}].joints[{j}].{field}"
-            for i, leg in enumerate(robot.legs)
-            for j in range(len(leg.joints))
-            for field in OF_LINKS
-        ),
+        *sorted(places),
     ]
 
 
@@ -228,24 +242,4 @@ def checked(item: Parameter, value: Any) -> Array:
     if item.field == "damping_ratio" and np.shape(value)[-1:] in ((), (1,)):
         value = np.broadcast_to(finite(name, value), np.shape(value)[:-1] + item.shape)
     array = finite(name, value, item.shape or None)
-    bad = np.broadcast_to(rule_broken(item.field, array), array.shape)
-    if np.any(bad):
-        raise InputError(f"{name} is {array[bad][0]}{index_of(bad)}; {rule_of(item.field)}")
-    return array
-
-
-def rule_broken(field: str, value: Array) -> Any:
-    """Where a value breaks the rule of its field."""
-    if field == "v_s":
-        return value <= 0
-    if field == "I":
-        size = np.max(np.abs(value), axis=(-2, -1), keepdims=True)
-        return np.abs(value - transpose(value)) > 1e-12 * size
-    return value < 0 if field in (*NOT_NEGATIVE, *OF_MODES, "payload") else False
-
-
-def rule_of(field: str) -> str:
-    """The rule in words."""
-    if field == "I":
-        return "it must be symmetric, with products of inertia as matrix entries"
-    return "it must be positive" if field == "v_s" else "it cannot be negative"
+    return array if item.rule is None else obeying(name, array, item.rule)

@@ -1,7 +1,7 @@
 """A robot: a fixed base, legs, a flexible platform, gravity."""
 
 import os
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array, Given
 from parflex.base.check import all_of_type, exactly, of_type, rotation_matrix
 from parflex.base.errors import InputError
-from parflex.mechanics.chain import Chain
+from parflex.mechanics.chain import chain_of, joined
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup
 from parflex.mechanics.legs.base import settled
 from parflex.robot.body import FlexibleBody
@@ -182,22 +182,9 @@ def side_by_side(groups: list[LegGroup]) -> LegGroup:
     if len(groups) == 1:
         return first
 
-    def together(parts: list[Any]) -> dict[str, Any]:
-        fields = parts[0]._asdict() if isinstance(parts[0], LegGroup) else vars(parts[0])
-        arrays = [name for name, value in fields.items() if isinstance(value, np.ndarray)]
-        return {name: np.concatenate([getattr(part, name) for part in parts]) for name in arrays}
-
-    chain = replace(first.chain, **together([group.chain for group in groups]))
+    arrays = [name for name, value in first._asdict().items() if isinstance(value, np.ndarray)]
+    together = {name: np.concatenate([getattr(group, name) for group in groups]) for name in arrays}
+    chain = joined([group.chain for group in groups])
     legs = tuple(number for group in groups for number in group.legs)
-    same: dict[str, Any] = {**together(groups), "chain": chain, "legs": legs}
+    same: dict[str, Any] = {**together, "chain": chain, "legs": legs}
     return first._replace(**same)
-
-
-def chain_of(leg: Leg) -> Chain:
-    """The tables of a leg."""
-    fields = ("gamma", "b", "alpha", "d", "theta", "r", "M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k", "q_0")
-    return Chain(
-        tuple(joint.antecedent - 1 for joint in leg.joints),
-        tuple(joint.sigma for joint in leg.joints),
-        *(np.array([[getattr(joint, field) for joint in leg.joints]]) for field in fields),
-    )

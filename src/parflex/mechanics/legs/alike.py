@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,15 @@ from parflex.base.array import Array, split
 from parflex.base.unroll import for_each, recorder
 from parflex.mechanics.legs.base import LegGroup
 
-INERTIAS = ("M", "MS", "I", "IA", "Fv", "Fs", "v_s", "k")  # tables of a chain, by link
-GEOMETRY = ("gamma", "b", "alpha", "d", "theta", "r", "q_0")
 STANDS = ("rotation", "origin")
 FORM = ("offsets", "branch", "posture")
 
 
 def alike(group: LegGroup) -> bool:
     """Whether the legs differ in nothing but inertia, friction, springs and where they stand."""
-    tables = [*(getattr(group.chain, name) for name in GEOMETRY), group.offsets, group.branch]
+    chain = group.chain
+    tables = [chain.tables[name] for name, column in chain.columns.items() if column.alike]
+    tables += [group.offsets, group.branch]
     return all(np.all(table == table[:1]) for table in tables)
 
 
@@ -34,7 +33,7 @@ def leg_by_leg(
     if recorder(*rows, *shared) is None or not alike(group):
         return list(function(group, *rows, *shared))
     count = len(group.legs)
-    tables = [getattr(group.chain, name) for name in INERTIAS] + [getattr(group, name) for name in STANDS]
+    tables = [group.chain.tables[name] for name in own(group)] + [getattr(group, name) for name in STANDS]
     inner = [table.shape[1:] for table in tables]
 
     def one(table: Array, *given: Array) -> Array:
@@ -49,12 +48,16 @@ def leg_by_leg(
     return split(for_each(one, [flat, *rows], shared), shapes)
 
 
+def own(group: LegGroup) -> list[str]:
+    """The tables of the chain that each leg has for itself: inertia, friction and springs."""
+    return [name for name, column in group.chain.columns.items() if not column.alike]
+
+
 def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
     """As many legs of the group as there are rows in the tables, which are theirs."""
-    count = len(tables[0])
-    masses: dict[str, Any] = dict(zip(INERTIAS, tables, strict=False))
-    geometry = {name: getattr(group.chain, name)[:count] for name in GEOMETRY}
+    count, names = len(tables[0]), own(group)
+    same = {name: table[:count] for name, table in group.chain.tables.items()}
+    chain = group.chain.with_tables(same | dict(zip(names, tables, strict=False)))
     form: dict[str, Any] = {name: getattr(group, name)[:count] for name in FORM}
-    form |= dict(zip(STANDS, tables[len(INERTIAS) :], strict=True))
-    chain = replace(group.chain, **masses, **geometry)
+    form |= dict(zip(STANDS, tables[len(names) :], strict=True))
     return group._replace(legs=group.legs[:count], chain=chain, **form)

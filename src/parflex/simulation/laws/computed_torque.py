@@ -6,11 +6,11 @@ from typing import Any
 import numpy as np
 
 from parflex.analysis import singularities
+from parflex.base import kinds
 from parflex.base.array import Array, Given, block, join, mtv, mv, skew, transpose
 from parflex.base.check import finite, of_type
 from parflex.base.dual import jacobian
 from parflex.base.errors import InputError
-from parflex.files import quantity
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
@@ -110,8 +110,8 @@ class ComputedTorque(Controller):
     about = "Forces from the inverse model, with feedback of the pose: computed torque."
     entries = (
         Entry("rows", INDEX, "the rows of the pose that it follows; all six", None),
-        Entry("kp", quantity.POSE_GAIN, "stiffness of the feedback, 1/s²; one, or six", 0.0),
-        Entry("kd", quantity.RATE_GAIN, "damping of the feedback, 1/s; one, or six", 0.0),
+        Entry("kp", kinds.POSE_GAIN, "stiffness of the feedback, 1/s²; one, or six", 0.0),
+        Entry("kd", kinds.RATE_GAIN, "damping of the feedback, 1/s; one, or six", 0.0),
     )
 
     model: Model

@@ -13,7 +13,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.files.quantity import Kind
+from parflex.base.kinds import Kind
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws.bound import BoundLaw

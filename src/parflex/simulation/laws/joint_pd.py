@@ -5,10 +5,10 @@ from typing import Any
 
 import numpy as np
 
+from parflex.base import kinds
 from parflex.base.array import Array, Given
 from parflex.base.check import finite, of_type
 from parflex.base.errors import InputError
-from parflex.files import quantity
 from parflex.kernels import models
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
@@ -76,8 +76,8 @@ class JointPD(Controller):
     kind = "joint-pd"
     about = "Springs and dampers on the actuated joints, which hold the start."
     entries = (
-        Entry("kp", quantity.NUMBER, "N/m or N m/rad; one, or one for each motor"),
-        Entry("kd", quantity.NUMBER, "N s/m or N m s/rad; one, or one for each motor"),
+        Entry("kp", kinds.NUMBER, "N/m or N m/rad; one, or one for each motor"),
+        Entry("kd", kinds.NUMBER, "N s/m or N m s/rad; one, or one for each motor"),
     )
 
     model: Model

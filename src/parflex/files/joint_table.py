@@ -1,0 +1,106 @@
+"""How a joint stands in a robot file: its table, made of the fields of the joint, and back."""
+
+from typing import Annotated, Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field, create_model, model_validator
+
+from parflex.base.errors import InputError
+from parflex.files.tables import THREE, Inertia, Measure, Point, Table, Whole, inertia_matrix
+from parflex.robot.fields import Column, described
+from parflex.robot.leg import Joint
+
+StrictBool = Annotated[bool, Field(strict=True)]
+
+
+class JointTable(Table):
+    """A joint and the link it carries, in modified Denavit-Hartenberg parameters."""
+
+    sigma: ClassVar[int]
+    joint: ClassVar[type[Joint]]  # whose fields the table has
+    actuated: StrictBool = Field(False, description="whether a motor drives it")
+    antecedent: Whole | None = Field(None, description="joint before it, from 1; 0 is the base")
+    com: Point | None = Field(None, description="centre of mass in the link's frame")
+
+    @model_validator(mode="after")
+    def _one_centre(self) -> "JointTable":
+        if self.com is not None and vars(self)["first_moment"] is not None:
+            raise InputError("gives com and first_moment; keep one of them")
+        return self
+
+
+class Revolute(JointTable):
+    """A joint that turns about z."""
+
+    sigma: ClassVar[int] = 0
+    type: Literal["revolute"]
+
+
+class Prismatic(JointTable):
+    """A joint that slides along z."""
+
+    sigma: ClassVar[int] = 1
+    type: Literal["prismatic"]
+
+
+def joint_table(kind: type[JointTable], joint: type[Joint]) -> type[JointTable]:
+    """The table of a revolute or prismatic joint, with an entry for each field of the joint's class."""
+    entries: dict[str, Any] = {column.file: entry(column, kind.sigma) for column in in_files(joint).values()}
+    made: type[JointTable] = create_model(kind.__name__, __base__=kind, __doc__=kind.__doc__, **entries)
+    made.joint = joint
+    return made
+
+
+def in_files(joint: type[Joint]) -> dict[str, Column]:
+    """The fields of a joint that have an entry in files, by the joint's own names."""
+    return {name: column for name, column in described(joint).items() if column.file}
+
+
+def entry(column: Column, sigma: int) -> tuple[Any, Any]:
+    """Type and default of an entry; None stands for the default that the joint itself has."""
+    assert column.kind is not None
+    number: Any = Annotated[float, Measure(column.kind.of(sigma), column.rule)]
+    vector: Any = Annotated[list[number], THREE]
+    given: tuple[Any, Any] = {
+        (): (number, column.default),
+        (3,): (vector | None, None),
+        (3, 3): (Inertia, [0.0] * 6),
+    }[column.shape]
+    if column.shape == () and np.isinf(column.default):
+        given = (number | None, None)
+    return given[0], Field(given[1], description=column.words)
+
+
+def joint_of(table: JointTable, before: int) -> Joint:
+    """The joint of a table, with `before` joints before it."""
+    given: dict[str, Any] = {}
+    for name, column in in_files(table.joint).items():
+        value = getattr(table, column.file)
+        if value is not None:
+            given[name] = inertia_matrix(value) if column.shape == (3, 3) else value
+    if table.com is not None:
+        given["MS"] = given["M"] * np.array(table.com)
+    antecedent = before if table.antecedent is None else table.antecedent
+    return table.joint(antecedent, table.sigma, int(table.actuated), **given)
+
+
+def entries_of(joint: Joint, before: int) -> dict[str, Any]:
+    """The table of a joint without what is by default, with `before` joints before it."""
+    far = {} if joint.antecedent == before else {"antecedent": joint.antecedent}
+    driven = {"actuated": True} if joint.mu else {}
+    columns = in_files(type(joint)).items()
+    plain_first = sorted(columns, key=lambda item: item[1].shape != () or np.isinf(item[1].default))
+    values = {
+        column.file: written(value)
+        for name, column in plain_first
+        if repr(written(value := getattr(joint, name))) != repr(written(column.default))
+    }
+    return {"type": ("revolute", "prismatic")[joint.sigma], **far, **driven, **values}
+
+
+def written(value: Any) -> Any:
+    """Numbers as TOML has them; of a matrix that is symmetric to the bit XX, YY, ZZ, XY, XZ, YZ alone."""
+    matrix = np.asarray(value, dtype=float)
+    if matrix.ndim == 2 and repr(matrix.tolist()) == repr(matrix.T.tolist()):
+        return [float(matrix[at]) for at in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
+    return matrix.tolist()

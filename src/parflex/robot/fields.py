@@ -1,0 +1,102 @@
+"""Fields that are declared once: each says what it holds, how it is checked and who else uses it.
+
+A dataclass of the robot's data declares its fields by the functions below. Whoever needs a list of
+them reads `described`: the checks, the tables of a chain, parameters, robot files, the documentation.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+import numpy as np
+
+from parflex.base.check import SYMMETRIC, Rule, exactly, obeying, scalar
+from parflex.base.kinds import ByType, Kind
+
+
+@dataclass(frozen=True)
+class Column:
+    """What is known of a field beside its name and its type.
+
+    A field with a kind is numbers, of this `shape`. `table` puts them into the tables of a chain
+    (L, n, *shape), `parameter` makes them numbers that models take when they run, and `alike` asks
+    legs that are traced as one to have the same ones.
+    """
+
+    form: Callable[[str, Any], Any]  # (name, value) to the value as it is kept
+    rule: Rule | None = None
+    kind: Kind | ByType | None = None
+    shape: tuple[int, ...] = ()
+    file: str = ""  # its name in robot files
+    words: str = ""  # for those who write robot files
+    table: bool = False
+    parameter: bool = False
+    alike: bool = True
+    default: Any = None
+
+    def checked(self, name: str, value: Any) -> Any:
+        """The value as it is kept; raises InputError, with the name, for one that there cannot be."""
+        kept = self.form(name, value)
+        if self.rule is not None:
+            obeying(name, np.asarray(kept), self.rule)
+        return kept
+
+
+def about(form: Callable[[str, Any], Any], **known: Any) -> dict[str, Column]:
+    """The metadata of a field: how its value is checked, and what else is known of it."""
+    return {"column": Column(form, **known)}
+
+
+def number(default: float, kind: Kind | ByType, file: str, words: str, **known: Any) -> Any:
+    """A field of one finite number, a table of the chain."""
+    known |= {"kind": kind, "file": file, "words": words, "default": default, "table": True}
+    return field(default=default, metadata=about(scalar, **known))
+
+
+def limit(default: float, kind: Kind | ByType, file: str, words: str) -> Any:
+    """A field of one number that may be infinite, as it is by default; no formula reads it."""
+    known = about(endless, kind=kind, file=file, words=words, default=default)
+    return field(default=default, metadata=known)
+
+
+def vector(kind: Kind, file: str, words: str, **known: Any) -> Any:
+    """A field of three numbers, by default zeros, a table of the chain."""
+    return array((3,), kind, file, words, **known)
+
+
+def symmetric(kind: Kind, file: str, words: str, **known: Any) -> Any:
+    """A field of a symmetric matrix (3, 3), by default zeros, a table of the chain."""
+    return array((3, 3), kind, file, words, rule=SYMMETRIC, **known)
+
+
+def array(shape: tuple[int, ...], kind: Kind, file: str, words: str, **known: Any) -> Any:
+    """A field of numbers of this shape, by default zeros, a table of the chain."""
+    known |= {"kind": kind, "file": file, "words": words, "default": np.zeros(shape), "table": True}
+    made = about(exact(shape), shape=shape, **known)
+    return field(default_factory=lambda: np.zeros(shape), metadata=made)
+
+
+def exact(shape: tuple[int, ...]) -> Callable[[str, Any], Any]:
+    """A check for arrays of this shape."""
+    return lambda name, value: exactly(name, value, shape)
+
+
+def endless(name: str, value: Any) -> float:
+    """One number, which may be infinite."""
+    infinite = isinstance(value, (float, np.floating)) and np.isinf(value)
+    return float(value) if infinite else scalar(name, value)
+
+
+def described(kind: type) -> dict[str, Column]:
+    """The columns of a dataclass by the names of its fields, in order."""
+    return {each.name: each.metadata["column"] for each in fields(kind) if "column" in each.metadata}
+
+
+def check_fields(thing: Any) -> None:
+    """Put each described field of a frozen dataclass into the form that it is kept in.
+
+    Raises InputError, with the field's name, for a value that there cannot be.
+    """
+    for name, column in described(type(thing)).items():
+        value = column.checked(f"{type(thing).__name__}.{name}", getattr(thing, name))
+        object.__setattr__(thing, name, value)
