@@ -2,6 +2,7 @@
 
 import re
 import tomllib
+from collections.abc import Iterable
 from html import escape
 from pathlib import Path
 from typing import NamedTuple
@@ -57,9 +58,12 @@ def lines() -> dict[int, list[Line]]:
     return found
 
 
-def contradictions() -> list[str]:
-    """What is wrong with the list, a sentence each; empty where every equation has code or a reason."""
-    tagged, rows = set(lines()), [each for each in every_equation() if each.number]
+def contradictions(listed: Iterable[Equation], found: Iterable[int]) -> list[str]:
+    """What is wrong, a sentence each, with the equations listed and the numbers found in the code.
+
+    Nothing is where every equation has code, or a reason to have none.
+    """
+    tagged, rows = set(found), [each for each in listed if each.number]
     used, unused = ({each.number for each in rows if bool(each.unused) == reason} for reason in (False, True))
     wrong = {
         "tagged in the code, and not in the paper": tagged - used - unused,

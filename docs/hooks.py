@@ -82,7 +82,7 @@ def paragraph(text: str, start: str) -> str:
 
 def paper() -> str:
     """Every equation of the paper beside the lines of code that it is."""
-    wrong = equations.contradictions()
+    wrong = equations.contradictions(equations.every_equation(), equations.lines())
     if wrong:
         raise PluginError("; ".join(wrong))
     return equations.beside_the_code()

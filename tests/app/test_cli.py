@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 import parflex as pf
-from parflex.views import plot
 
 
 def test_paper_leaves_result_and_pictures(parflex, tmp_path):
@@ -257,12 +256,12 @@ def test_names_with_brackets_are_told_as_they_are(parflex, tmp_path):
 
 def test_pictures_replace_older_ones_or_leave_them(tmp_path):
     """A folder in the place of a picture: nothing is written beside it."""
-    drawn = {name: plot.figure(1.0, 1.0) for name in ("first", "second")}
-    assert plot.save(drawn, tmp_path / "new", "svg") == [tmp_path / "new" / f"{n}.svg" for n in drawn]
+    drawn = {name: pf.plot.figure(1.0, 1.0) for name in ("first", "second")}
+    assert pf.plot.save(drawn, tmp_path / "new", "svg") == [tmp_path / "new" / f"{n}.svg" for n in drawn]
     before = (tmp_path / "new" / "first.svg").read_text()
     assert before.startswith("<?xml")
     (tmp_path / "new" / "second.png").mkdir()
     with pytest.raises(pf.InputError, match=r"second.png was not written"):
-        plot.save(drawn, tmp_path / "new")
+        pf.plot.save(drawn, tmp_path / "new")
     left = {path.name for path in (tmp_path / "new").iterdir()}
     assert left == {"first.svg", "second.svg", "first.png", "second.png"}

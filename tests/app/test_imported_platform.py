@@ -6,9 +6,9 @@ import pytest
 import parflex as pf
 from ccx import deck, needs_ccx, plate_mesh, run
 from imports import CORNERS, DATA
+from paper_robot import DAMPING_RATIO, PLATE, corners
 from parflex.app import paper
 from parflex.fe.body.attach import first
-from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners, gough_stewart
 
 pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")
 
@@ -29,7 +29,7 @@ def nastran() -> pf.Modes:
 def flown(modes: pf.Modes):
     """The beginning of the paper's trajectory: actuator forces, and deformation at the corners."""
     body = pf.FlexibleBody.from_modes(modes, origin=(0, 0, 0), damping_ratio=DAMPING_RATIO)
-    robot = gough_stewart(platform=body)
+    robot = pf.robots.gough_stewart(platform=body)
     model, way = pf.Model(robot), paper.trajectory(robot)
     times, start = np.linspace(0, SHAKE, 71), model.equilibrium(*robot.home_pose)[0]
     run = pf.simulate(model, pf.ComputedTorque(model, way), start, times, 1e-6, 1e-8, max_step=0.02)
@@ -102,7 +102,7 @@ def test_a_robot_file_takes_it(tmp_path, monkeypatch):
     modes = nastran()
     body = pf.FlexibleBody.from_modes(modes, origin=(0, 0, 0), damping_ratio=0.4)
     path = tmp_path / "robot.toml"
-    gough_stewart(platform=body).to_file(path)
+    pf.robots.gough_stewart(platform=body).to_file(path)
     text = path.read_text()
     ids = [modes.ids[k] for k in modes.corners]
     path.write_text(text[: text.index("[platform]")] + "[platform]" + ROBOT.format(ids=ids))

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from paper_robot import PLATE, corners
 from parflex.files.robot_writing import robot_text
-from parflex.robots.gough_stewart import PLATE, corners
 from places import DOCS
 
 

@@ -1,6 +1,5 @@
 """The paper: its tables decoded, its equations housed, its Section 6 flown."""
 
-import importlib
 import re
 from pathlib import Path
 
@@ -10,11 +9,11 @@ import pytest
 from matplotlib.image import imread
 
 import oracle
+import paper_robot as source
 import parflex as pf
 from measures import relative
 from parflex.app import paper
 
-source = importlib.import_module("parflex.robots.gough_stewart")
 SOURCES = Path(pf.__file__).parent
 EQUATIONS = range(1, 50)
 
@@ -34,21 +33,17 @@ def test_every_equation_has_a_home():
 def test_printed_equations_are_all_there():
     """The documentation's list has each number once, in the paper's order, and the code that goes with it."""
     assert [each.number for each in equations.every_equation() if each.number] == list(EQUATIONS)
-    assert equations.contradictions() == []
+    assert equations.contradictions(equations.every_equation(), equations.lines()) == []
 
 
-def test_an_equation_without_code_is_noticed(monkeypatch):
+def test_an_equation_without_code_is_noticed():
     """And one that is in the code though said to be unused, and a number that is not the paper's."""
-    tagged = equations.lines()
-    monkeypatch.setattr(equations, "lines", lambda: {50 if n == 7 else n: at for n, at in tagged.items()})
-    wrong = equations.contradictions()
+    rows, lines = equations.every_equation(), equations.lines()
+    tagged = {50 if n == 7 else n: at for n, at in lines.items()}
+    wrong = equations.contradictions(rows, tagged)
     assert [words.split(" is ")[0] for words in wrong] == ["Eq. 50", "Eq. 7"]
-    every = [
-        each._replace(unused="why not") if each.number in (7, 8) else each
-        for each in equations.every_equation()
-    ]
-    monkeypatch.setattr(equations, "every_equation", lambda: every)
-    wrong = equations.contradictions()
+    unused = [each._replace(unused="why not") if each.number in (7, 8) else each for each in rows]
+    wrong = equations.contradictions(unused, tagged)
     assert [words.split(" is ")[0] for words in wrong] == ["Eq. 50", "Eq. 8"]
 
 

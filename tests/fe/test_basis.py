@@ -6,8 +6,8 @@ from scipy.linalg import eigh, null_space
 
 import parflex as pf
 from blocks import STEEL, box, two_blocks
+from paper_robot import PLATE, corners
 from parflex.fe.body.response import static_response
-from parflex.robots.gough_stewart import PLATE, corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, TOOL, modes, plate
 
 

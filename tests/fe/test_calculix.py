@@ -6,11 +6,11 @@ from scipy import io, sparse
 
 import parflex as pf
 from ccx import deck, needs_ccx, plate_mesh, run
+from paper_robot import PLATE, corners
 from parflex.fe.body.elements import ELEMENTS
 from parflex.fe.body.joints import places
 from parflex.fe.imports.calculix.calculix import FULL, REDUCED, degrees, triangle
 from parflex.fe.imports.calculix.deck import ABAQUS_ORDER, read_deck
-from parflex.robots.gough_stewart import PLATE, corners
 
 pytestmark = needs_ccx
 

@@ -9,7 +9,7 @@ import pytest
 
 import parflex as pf
 from imports import ALL_CASES, CORNERS
-from parflex.robots.gough_stewart import PLATE, TABLE_2
+from paper_robot import PLATE, TABLE_2
 from spoil import spoilt
 
 SPOILT = int(os.environ.get("PARFLEX_SPOILT", "60"))  # files of each kind

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from paper_robot import PLATE, corners
 from parflex.fe.imports.nastran.bulk_data import read_bulk
 from parflex.fe.imports.unit_systems import INCH, POUND_FORCE, SYSTEMS
-from parflex.robots.gough_stewart import PLATE, corners
 from places import DATA
 
 pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")

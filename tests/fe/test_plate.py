@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from paper_robot import PLATE, TABLE_2, corners
 from parflex.fe.plate.plate import unknowns
 from parflex.mechanics.platform import body_energies
-from parflex.robots.gough_stewart import PLATE, TABLE_2, corners
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,
 # 4, 5, 6, 8, 10 (rad/s), from Morley and Argyris elements refined until the sixth digit stood.

@@ -5,10 +5,10 @@ import pytest
 
 import parflex as pf
 from blocks import STEEL, box
+from paper_robot import corners
 from parflex.fe.body.response import static_response
 from parflex.fe.solid.recovery import nodal_fields, recover, von_mises
 from parflex.robot.modes import Solid
-from parflex.robots.gough_stewart import corners
 from solid_plates import JOINTS, MATERIAL, RADIUS, modes, plate
 
 

@@ -13,11 +13,11 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from measures import relative
+from paper_robot import links
 from parflex.app.json_schema import ALL_SCHEMAS
 from parflex.app.templates import write_templates
 from parflex.fe.modal_file import FIELDS, MOMENTS, save_body
 from parflex.files.lines import line_of
-from parflex.robots.gough_stewart import links
 from places import DOCS
 
 GOOD = """\

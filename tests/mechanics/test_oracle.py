@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import oracle
 import parflex as pf
-from parflex.robots.gough_stewart import DAMPING_RATIO, PLATE, corners
+from paper_robot import DAMPING_RATIO, PLATE, corners
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*cut a degenerate pair")
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import cases
 import parflex as pf
-from parflex.robots.gough_stewart import PLATE, corners
+from paper_robot import PLATE, corners
 from rewriting import reframed
 
 NAN = float("nan")

@@ -4,8 +4,8 @@ from itertools import product
 
 import numpy as np
 
+import parflex as pf
 from measures import relative
-from parflex.robots import ALL_ROBOTS
 from parflex.robots.links import box, together, tube
 
 
@@ -48,7 +48,7 @@ def test_together():
 def test_links_of_the_gallery_can_be_built():
     """Mass density is nowhere negative: ∫ (r, 1)(r, 1)ᵀ dm has no negative eigenvalue. The paper's tensors
     are grouped parameters, which no body need have."""
-    for entry in ALL_ROBOTS[1:]:
+    for entry in pf.robots.ALL_ROBOTS[1:]:
         for joint in (joint for leg in entry.build(modes=0).legs for joint in leg.joints):
             MS = np.asarray(joint.MS)[:, None]
             second = np.trace(joint.I) / 2 * np.eye(3) - joint.I

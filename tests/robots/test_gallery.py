@@ -15,10 +15,9 @@ from measures import actuated, relative
 from parflex.app.cli import app
 from parflex.mechanics.closure import posed
 from parflex.robot.layout import unpack
-from parflex.robots import ALL_ROBOTS
 from places import DOCS
 
-ENTRIES = {entry.name: entry for entry in ALL_ROBOTS}
+ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
 GAP = 1e-12  # m: round-off at the tips
 SAME = 1e-10  # two orders of the same operations
 INVERSE = 1e-9  # the accuracy the library promises
@@ -221,7 +220,7 @@ def test_file_and_back(name, flexible, tmp_path):
 
 def test_a_platform_of_ones_own():
     """Every robot takes one, with as many attachments as its plate has."""
-    for entry in ALL_ROBOTS:
+    for entry in pf.robots.ALL_ROBOTS:
         points = model(entry.name, False).robot.platform.attachment_points
         body = pf.FlexibleBody.rigid(5.0, (0, 0, 0.02), np.diag([0.1, 0.1, 0.15]), points)
         assert entry.build(platform=body).platform is body

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from paper_robot import PLATE, corners, held
 from parflex.app import paper
-from parflex.robots.gough_stewart import PLATE, corners, held
 
 END = 0.9  # s: rest, and a third of the first move
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from paper_robot import PLATE, corners
 from parflex.fe.body.elements import TETRA_EDGES
 from parflex.fe.plate.plate import fan_mesh
-from parflex.robots.gough_stewart import PLATE, corners
 
 CCX = shutil.which("ccx")
 needs_ccx = pytest.mark.skipif(CCX is None, reason="CalculiX (ccx) is not installed")

@@ -10,10 +10,10 @@ from scipy import sparse
 
 import parflex as pf
 from ccx import plate_mesh
+from paper_robot import PLATE, corners
 from parflex.fe.imports.nastran.bulk_data import read_bulk
 from parflex.fe.imports.nastran.op2 import read_op2
 from parflex.fe.imports.unit_systems import SYSTEMS
-from parflex.robots.gough_stewart import PLATE, corners
 from places import DATA
 
 CORNERS = np.column_stack([corners(), np.zeros(6)])

@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 import cases
 import oracle
 import parflex as pf
-from parflex.robots.gough_stewart import PLATE, corners, gough_stewart, links
+from paper_robot import PLATE, corners, links
 from sample import Sample
 
 STATES = 4
@@ -207,7 +207,7 @@ def well_driven(legs, cloud, pose, q, freedoms):
 @cache
 def paper() -> Sample:
     """The paper's robot with a rigid plate, its links physical ones."""
-    robot = gough_stewart(0)
+    robot = pf.robots.gough_stewart(0)
     legs = [replace(leg, joints=physical(leg.joints)) for leg in robot.legs]
     place, axes = robot.home_pose
     q = [

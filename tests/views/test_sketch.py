@@ -2,8 +2,8 @@
 
 import numpy as np
 
+import parflex as pf
 from measures import random_states, relative
-from parflex.views import plot
 from parflex.views.sketch import sketch
 
 
@@ -37,5 +37,5 @@ def test_pictures_of_bent_and_rigid_robots(model_of, tmp_path):
     for modes in (0, 1):
         model = model_of(modes)
         state = random_states(model.robot, 1, seed=4)[0]
-        plot.robot_at(sketch(model, state), "title").savefig(tmp_path / f"{modes}.png")
+        pf.plot.robot_at(sketch(model, state), "title").savefig(tmp_path / f"{modes}.png")
         assert (tmp_path / f"{modes}.png").stat().st_size > 10_000

@@ -8,8 +8,6 @@ import xarray as xr
 
 import parflex as pf
 import solid_plates
-from parflex.robots import ALL_ROBOTS
-from parflex.views.plot import over_time
 from parflex.views.viewer.layout import LAYOUT
 from parflex.views.viewer.opening import NEEDED, WORDS, judged
 from parflex.views.viewer.page import packed, page_of
@@ -26,7 +24,7 @@ def short_run(robot: pf.Robot) -> pf.Result:
     return pf.simulate(model, hold, start, np.linspace(0, 5e-3, 3), rtol=1e-4, atol=1e-6, max_step=5e-3)
 
 
-@pytest.mark.parametrize("entry", ALL_ROBOTS, ids=lambda entry: entry.build.__name__)
+@pytest.mark.parametrize("entry", pf.robots.ALL_ROBOTS, ids=lambda entry: entry.build.__name__)
 def test_parts_of_every_robot(entry):
     """A motor for each actuator, a ball for each attachment, a pin for each hinge, and no part twice."""
     robot = entry.build(modes=0)
@@ -262,7 +260,7 @@ def test_a_whole_run_has_nothing_to_tell(run_of_paper):
 @pytest.mark.parametrize("name", ["forces", "actuator_name", "energy_kinetic"])
 def test_figures_are_drawn_of_what_is_left(run_of_paper, spoil, name):
     left = judged(spoil(run_of_paper.dataset, name)).dataset
-    assert "Deformation at the origin" in over_time(pf.Result(lambda: left, ""))
+    assert "Deformation at the origin" in pf.plot.over_time(pf.Result(lambda: left, ""))
 
 
 def test_a_run_without_instants_is_said_to_be_one(run_of_paper):

@@ -12,10 +12,9 @@ from pathlib import Path
 import numpy as np
 
 import parflex as pf
-from parflex.robots import ALL_ROBOTS
 
 STORED = Path(__file__).parent / "gallery.npz"
-ENTRIES = {entry.name: entry for entry in ALL_ROBOTS}
+ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
 COUNT, MODES = 20, 3
 STATE = ("position", "rotation", "twist", "elastic", "elastic_rate")
 
