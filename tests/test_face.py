@@ -39,6 +39,21 @@ def test_former_names_answer_and_warn(old, new, answer):
     assert all(np.array_equal(a, b) for a, b in zip(found, expected, strict=True))
 
 
+def test_what_things_are_is_told_in_five_lines(model_of):
+    model = model_of(10)
+    robot = model.robot
+    poses = pf.Trajectory.through(robot.home, [[[0.0, 0.0, 0.1], [0.0, 0.0, 0.2]]], 1.0)
+    wrench = pf.Wrench(3, np.ones((20, 3)))
+    told = [model, robot, robot.home, robot.platform, robot.platform.moments, robot.legs[0], poses, wrench]
+    for thing in told:
+        words = repr(thing)
+        assert type(thing).__name__ in words
+        assert words.count("\n") < 5
+        assert len(words) < 500
+    assert "6 legs RRP*, 6 motors" in repr(robot)
+    assert "10 modes, 30.1 … 190 Hz" in repr(robot)
+
+
 def actuated(model):
     """The actuated joints of a 3-RPS at home."""
     return [q[1] for q in model.joints(model.robot.home).q]

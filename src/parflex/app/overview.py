@@ -3,11 +3,11 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.robot.leg import Joint
 from parflex.robot.robot import Robot
+from parflex.robot.words import frequencies, listed
 
 if TYPE_CHECKING:
     from parflex.files.robot_file import RobotFile
@@ -27,7 +27,7 @@ def leg_rows(file: "RobotFile") -> Rows:
         held = ", ".join(str(tip.attachment) for tip in leg.tips)
         mass = sum(joint.M for joint in leg.joints)
         rows.append(
-            (str(number + 1), chain, leg.word, kinds[number], vector(leg.origin), held, f"{mass:.4g}")
+            (str(number + 1), chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
         )
     return rows
 
@@ -57,39 +57,17 @@ def facts(robot: Robot) -> list[str]:
     mass, com = body.moments.m, body.moments.MS0 / body.moments.m
     turned = np.degrees(rotation_vector(np.asarray(rotation)))
     return [
-        f"platform: {mass:.4g} kg, centre of mass {vector(com)} m, {len(body.attachments)} attachments",
-        f"modes: {frequencies(robot)}",
-        f"home: {vector(position)} m, turned by {vector(turned)} deg; gravity {vector(robot.gravity)} m/s²",
+        f"platform: {mass:.4g} kg, centre of mass {listed(com)} m, {len(body.attachments)} attachments",
+        f"modes: {frequencies(body.frequencies, body.damping_ratios)}",
+        f"home: {listed(position)} m, turned by {listed(turned)} deg; gravity {listed(robot.gravity)} m/s²",
         f"motors: {robot.n_forces}",
     ]
-
-
-def frequencies(robot: Robot) -> str:
-    """The platform's natural frequencies and damping ratios, in a line."""
-    body = robot.platform
-    if not body.modes:
-        return "none, the platform is rigid"
-    m = np.diagonal(body.m_ee)
-    omega = np.sqrt(body.stiffness / m)
-    zeta = body.damping / (2 * omega * m)
-    return f"{body.modes}, {' '.join(f'{each:.4g}' for each in omega)} rad/s, damping {span(zeta)}"
-
-
-def span(values: Array) -> str:
-    """One value, or the lowest and the highest."""
-    low, high = f"{values.min():.3g}", f"{values.max():.3g}"
-    return low if low == high else f"{low} … {high}"
 
 
 def shown(joint: Joint, value: float) -> str:
     """A joint value in degrees, or in metres."""
     number, unit = (value, "m") if joint.sigma else (np.degrees(value), "deg")
     return f"{round(float(number), 9) + 0.0:.4g} {unit}"
-
-
-def vector(values: ArrayLike) -> str:
-    """(x, y, z), without round-off."""
-    return "(" + ", ".join(f"{round(float(value), 9) + 0.0:.4g}" for value in np.asarray(values)) + ")"
 
 
 def rotation_vector(matrix: Array) -> Array:

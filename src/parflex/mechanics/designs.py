@@ -13,7 +13,8 @@ import numpy as np
 from parflex.base.array import Array, without_roundoff
 from parflex.base.unroll import solve_definite
 from parflex.mechanics.legs import LegGroup
-from parflex.robot.body import FlexibleBody, diagonals, modal_masses
+from parflex.robot.body import FlexibleBody
+from parflex.robot.modal import diagonals, modal_masses
 from parflex.robot.moments import with_point
 from parflex.robot.parameters import OF_MODES, Parameter, Parameters, modal_values
 from parflex.robot.robot import Robot

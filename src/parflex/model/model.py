@@ -70,6 +70,10 @@ class Model:
         self._lock = Lock()
         self.family = Family(self)
 
+    def __repr__(self) -> str:
+        names = ", ".join(self.parameters)
+        return f"Model: {self.backend.name}{names and f', parameters {names}'}\n  {self.robot!r}"
+
     @property
     def parameters(self) -> dict[str, Array]:
         """The values of the parameters, by name."""

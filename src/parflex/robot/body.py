@@ -12,10 +12,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.array import Array, outer, without_roundoff
-from parflex.base.check import exactly, finite, integer, of_type, positive
+from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
+from parflex.robot.attachments import attachment_nodes
+from parflex.robot.modal import modal_diagonals, modal_masses, natural_frequencies
 from parflex.robot.modes import Modes
 from parflex.robot.moments import Moments, shifted, with_point
+from parflex.robot.words import counted, modal
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,10 +169,25 @@ class FlexibleBody:
         Phi_r = np.zeros_like(Phi_d) if self.rotation_shapes is None else self.rotation_shapes[:, node].T
         return Phi_d + np.cross(Phi_r.T, np.asarray(offset)).T, Phi_r
 
+    def __repr__(self) -> str:
+        held = counted(len(self.attachments), "attachment")
+        return f"FlexibleBody: {self.moments.m:.4g} kg, {modal(self.frequencies)}, {held}"
+
     @property
     def modes(self) -> int:
         """N, the number of modes; 0 for a rigid body."""
         return len(self.stiffness)
+
+    @property
+    def frequencies(self) -> Array:
+        """Natural frequencies ω (N,) rad/s of the free body."""
+        return np.sqrt(self.stiffness / modal_masses(self.moments))
+
+    @property
+    def damping_ratios(self) -> Array:
+        """Damping ratios ζ (N,); zero of modes without a frequency."""
+        critical = 2.0 * self.frequencies * modal_masses(self.moments)
+        return np.divide(self.damping, critical, out=np.zeros(self.modes), where=critical > 0)
 
     @cached_property
     def m_ee(self) -> Array:
@@ -236,55 +254,3 @@ class FlexibleBody:
 
 
 rigid_shapes = ((3, 0), (0, 3, 3), (0, 0, 3, 3))
-
-
-def modal_diagonals(moments: Moments, omega: Array, damping_ratio: ArrayLike) -> tuple[Array, Array]:
-    """Diagonals of K_ee = ω² m_kk and D_ee = 2 ζ ω m_kk."""
-    zeta = finite("damping_ratio", damping_ratio)
-    if zeta.shape not in ((), omega.shape) or np.any(zeta < 0):
-        raise InputError(
-            f"damping_ratio is {damping_ratio!r}; expected one value ≥ 0 or {len(omega)} of them"
-        )
-    return diagonals(modal_masses(moments), omega, zeta)
-
-
-def modal_masses(moments: Moments) -> Array:
-    """m_kk (N,), the diagonal of tr P2."""
-    return np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
-
-
-def diagonals(m_kk: Array, omega: Array, zeta: Array) -> tuple[Array, Array]:
-    """ω² m_kk and 2 ζ ω m_kk."""
-    return omega * omega * m_kk, 2.0 * zeta * omega * m_kk  # Eq. 34
-
-
-def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:
-    """(N,) rad/s, none negative."""
-    omega = exactly(name, value, (modes,))
-    if np.any(omega < 0):
-        worst = int(np.argmin(omega))
-        raise InputError(f"{name}[{worst}] is {omega[worst]}; frequencies in rad/s cannot be negative")
-    return omega
-
-
-def attachment_nodes(nodes: Array, wanted: Sequence[int] | ArrayLike) -> tuple[int, ...]:
-    """Node numbers of attachments given as numbers or as points (k, 3)."""
-    try:
-        array = np.asarray(wanted)
-    except ValueError:
-        raise InputError("attachments is ragged; give node numbers, or points (k, 3)") from None
-    if array.ndim == 1 and (array.dtype.kind in "iu" or array.size == 0):
-        return tuple(int(i) for i in array)
-    points = exactly("attachments", array, (None, 3))
-    size = np.max(np.ptp(nodes, axis=0))
-    found = []
-    for number, point in enumerate(points):
-        distance = np.linalg.norm(nodes - point, axis=1)
-        nearest = int(np.argmin(distance))
-        if distance[nearest] > 1e-6 * size:
-            raise InputError(
-                f"attachments[{number}] = {point} is on no node; the nearest, {nearest}, is "
-                f"{distance[nearest]:.4g} m away at {nodes[nearest]}: use its number, or refine"
-            )
-        found.append(nearest)
-    return tuple(found)

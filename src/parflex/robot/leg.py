@@ -10,6 +10,7 @@ from parflex.base.array import Given
 from parflex.base.check import FLAG, NOT_NEGATIVE, POSITIVE, all_of_type, exactly, integer, single_rotation
 from parflex.base.errors import InputError
 from parflex.robot.fields import about, check_fields, exact, limit, number, symmetric, vector
+from parflex.robot.words import listed, told
 
 RUN_TIME = {"parameter": True, "alike": False}  # legs that are traced as one may differ in it
 
@@ -74,6 +75,8 @@ class Joint:
         if not self.q_min < self.q_max:
             raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
 
+    __repr__ = told
+
 
 @dataclass(frozen=True, eq=False)
 class Tip:
@@ -120,6 +123,10 @@ class Leg:
                 raise InputError(f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}")
         if self.posture is not None:
             object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
+
+    def __repr__(self) -> str:
+        held = ", ".join(str(tip.attachment) for tip in self.tips)
+        return f"Leg: {self.word} at {listed(self.origin)} m, holds {held}"
 
     @property
     def structure(self) -> tuple[object, ...]:

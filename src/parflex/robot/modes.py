@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.robot.moments import Moments
+from parflex.robot.words import counted, modal
 
 if TYPE_CHECKING:
     from parflex.fe.body.accuracy import BasisError
@@ -51,6 +52,10 @@ class Modes:
     tool: int | None = None
     solid: Solid | None = None
     reduction: "Reduction | None" = None
+
+    def __repr__(self) -> str:
+        size = f"{counted(len(self.nodes), 'node')}, {counted(len(self.corners), 'corner')}"
+        return f"Modes: {modal(self.frequencies)}, {size}, of {self.source}"
 
     @cached_property
     def error(self) -> "BasisError":

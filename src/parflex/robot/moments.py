@@ -1,13 +1,11 @@
 """The inertia integrals of a flexible body."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from parflex.base.array import Array, outer
-
-if TYPE_CHECKING:
-    pass
+from parflex.robot.words import counted
 
 
 class Moments(NamedTuple):
@@ -23,6 +21,9 @@ class Moments(NamedTuple):
     S: Array  # (3, N)
     P1: Array  # (N, 3, 3)
     P2: Array  # (N, N, 3, 3)
+
+    def __repr__(self) -> str:
+        return f"Moments: {self.m:.4g} kg, {counted(len(self.P1), 'mode')}"
 
 
 def shifted(old: Moments, o: Array) -> Moments:

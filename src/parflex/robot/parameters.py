@@ -14,9 +14,10 @@ import numpy as np
 from parflex.base.array import Array, join
 from parflex.base.check import NOT_NEGATIVE, Rule, finite, obeying
 from parflex.base.errors import InputError
-from parflex.robot.body import FlexibleBody, modal_masses
+from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.modal import modal_masses
 from parflex.robot.robot import Robot
 
 OF_MODES = ("frequencies", "damping_ratio")

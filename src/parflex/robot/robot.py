@@ -1,6 +1,7 @@
 """A robot: a fixed base, legs, a flexible platform, gravity."""
 
 import os
+from collections import Counter
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -19,6 +20,7 @@ from parflex.robot.body import FlexibleBody
 from parflex.robot.layout import Layout
 from parflex.robot.leg import Leg
 from parflex.robot.state import State
+from parflex.robot.words import counted, listed, modal
 
 if TYPE_CHECKING:
     from parflex.mechanics.redundancy import Rows
@@ -59,6 +61,15 @@ class Robot:
                         f"{tip.attachment}; list the node twice among the body's attachments"
                     )
                 held[tip.attachment] = number
+
+    def __repr__(self) -> str:
+        chains = Counter(leg.word for leg in self.legs)
+        legs = ", ".join(f"{counted(number, 'leg')} {word}" for word, number in chains.items())
+        body, home = self.platform, listed(self.home_pose[0])
+        return (
+            f"Robot: {legs or 'no legs'}, {counted(self.n_forces, 'motor')}, platform of "
+            f"{body.moments.m:.4g} kg, {modal(body.frequencies)}, home {home} m"
+        )
 
     def to_file(self, path: str | os.PathLike[str]) -> Path:
         """Write the robot as a robot file (docs/robot-files.md) that `load_robot` reads to the same bits.

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array, Given
 from parflex.base.check import finite, rotation_matrix
 from parflex.base.errors import InputError
+from parflex.robot.words import counted, listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +45,18 @@ class State:
         for name in ("joints", "joint_rates"):
             object.__setattr__(self, name, per_leg(f"State.{name}", getattr(self, name)))
         _ = self.batch  # the leading axes must broadcast
+
+    def __repr__(self) -> str:
+        coordinates = counted(
+            np.shape(self.elastic)[-1] if np.ndim(self.elastic) else 0, "elastic coordinate"
+        )
+        if self.batch:
+            return f"State: a batch {self.batch}, {coordinates}"
+        angle = np.degrees(np.arccos(np.clip((np.trace(self.rotation) - 1) / 2, -1, 1)))
+        return (
+            f"State: position {listed(self.position)} m, turned by {angle:.4g} deg\n"
+            f"  twist {listed(self.twist)} m/s and rad/s, {coordinates}"
+        )
 
     def __getitem__(self, index: Any) -> "State":
         """States of a batch, chosen along its leading axes."""

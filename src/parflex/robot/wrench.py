@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from parflex.base.array import Given
 from parflex.base.check import finite, integer
 from parflex.base.errors import InputError
+from parflex.robot.words import told
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,3 +26,5 @@ class Wrench:
         object.__setattr__(self, "node", integer("Wrench.node", self.node))
         if self.frame not in ("world", "platform"):
             raise InputError(f'Wrench.frame is {self.frame!r}; choose "world" or "platform"')
+
+    __repr__ = told

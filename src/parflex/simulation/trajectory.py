@@ -13,6 +13,7 @@ from parflex.base.check import exactly, finite, rotation_matrix, scalar
 from parflex.base.errors import InputError
 from parflex.kernels.segment import Sample, along
 from parflex.robot.state import State
+from parflex.robot.words import listed
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,6 +73,10 @@ class Trajectory:
         rotations = [R, *(Rotation.from_rotvec(step[1]) * R for step in steps), R]
         matrices = np.stack([rotation.as_matrix() for rotation in rotations])
         return Trajectory(positions, matrices, np.full(len(steps) + 1, scalar("duration", duration)), rest)
+
+    def __repr__(self) -> str:
+        ends = f"from {listed(self.positions[0])} to {listed(self.positions[-1])} m"
+        return f"Trajectory: {len(self.positions)} poses in {self.duration:.4g} s, {ends}"
 
     @property
     def duration(self) -> float:

@@ -11,7 +11,7 @@ from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
 from parflex.fe.body.canonical import cut_pair
 from parflex.fe.body.joints import FEWEST, mean_motion, nodes_within, unshared
-from parflex.robot.body import attachment_nodes
+from parflex.robot.attachments import attachment_nodes
 from parflex.robot.modes import Modes
 
 

@@ -12,7 +12,7 @@ from parflex.base.array import Array, skew
 from parflex.base.check import exactly, positive
 from parflex.base.errors import InputError
 from parflex.fe.body.free_body import FreeBody, Sparse
-from parflex.robot.body import attachment_nodes
+from parflex.robot.attachments import attachment_nodes
 
 PATCH = 0.025  # of the body's diagonal: a patch's radius where none is given
 FEWEST = 3  # nodes of a patch
