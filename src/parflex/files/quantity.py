@@ -19,6 +19,12 @@ def convert(value: Any, kind: Kind) -> float:
 
     Raises InputError, its sentence without a subject, for another kind of value, a unit that does
     not measure what is wanted, and numbers that are not finite.
+
+    >>> convert("180 deg", ANGLE), convert(0.5, ANGLE)
+    (3.141592653589793, 0.5)
+    >>> convert("180 mm", ANGLE)
+    Traceback (most recent call last):
+    parflex.base.errors.InputError: is "180 mm", which is not an angle; expected an angle in rad, ...
     """
     if isinstance(value, str) and kind.unit:
         return with_unit(value, kind)

@@ -130,6 +130,10 @@ class FlexibleBody:
         points (k, 3) m, all in Σp.
 
         Raises InputError for a mass that is not positive or an inertia no body can have.
+
+        >>> disc = FlexibleBody.rigid(5.0, (0, 0, 0), np.diag([0.1, 0.1, 0.2]), [(0.3, 0, 0), (-0.3, 0, 0)])
+        >>> disc.modes, disc.moments.m
+        (0, 5.0)
         """
         m, c = positive("mass", mass), exactly("com", com, (3,))
         inertia = exactly("inertia_at_com", inertia_at_com, (3, 3))

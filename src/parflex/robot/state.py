@@ -26,6 +26,10 @@ class State:
     of a leg without a posture, and are checked against that of one with a posture.
 
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
+
+    >>> states = State(position=[[0, 0, 1.0], [0, 0, 1.1]], rotation=np.eye(3), elastic=[1e-3, 0, 0])
+    >>> states.batch, states[1].position
+    ((2,), array([0. , 0. , 1.1]))
     """
 
     position: Given

@@ -66,6 +66,13 @@ class Trajectory:
 
         Each move is a displacement (3,) m and a rotation vector (3,) rad, both from the start, in
         world axes; each leg of the journey takes `duration` seconds.
+
+        >>> start = State(position=(0, 0, 1), rotation=np.eye(3))
+        >>> there_and_back = Trajectory.through(start, [((0.1, 0, 0), (0, 0, 0))], duration=1.0)
+        >>> there_and_back.duration  # half a second of rest at either end
+        3.0
+        >>> there_and_back.sample([0.0, 1.5, 3.0]).position[:, 0]
+        array([0. , 0.1, 0. ])
         """
         p, R = np.asarray(start.position), Rotation.from_matrix(np.asarray(start.rotation))
         steps = [exactly(f"moves[{i}]", move, (2, 3)) for i, move in enumerate(moves)]
