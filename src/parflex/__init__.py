@@ -9,6 +9,7 @@ import sys
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from parflex.base.doors import register
 from parflex.base.version import __version__ as __version__
 
 if TYPE_CHECKING:
@@ -89,6 +90,8 @@ _HOME = {name: module for module, names in _NAMES.items() for name in names.spli
 _MODULES = {"fe": "fe", "plot": "views.plot", "robots": "robots"}
 
 __all__ = sorted([*_HOME, *_MODULES])
+
+register("Robot.to_file", "parflex.files.robot_writing:save_robot")
 
 
 def __getattr__(name: str) -> Any:

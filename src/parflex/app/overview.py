@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.robot.leg import Joint
+from parflex.robot.joint_words import joint_value
 from parflex.robot.robot import Robot
 from parflex.robot.words import frequencies, listed
 
@@ -40,10 +40,10 @@ def joint_rows(model: "Model") -> Rows:
     found = model.joints(model.robot.home).q
     rows: Rows = []
     for number, (leg, q) in enumerate(zip(model.robot.legs, found, strict=True)):
-        values = ", ".join(shown(joint, value) for joint, value in zip(leg.joints, q, strict=True))
+        values = ", ".join(joint_value(joint, value) for joint, value in zip(leg.joints, q, strict=True))
         beyond = [
-            f"joint {j} at {shown(joint, value)} is beyond {shown(joint, joint.q_min)} … "
-            f"{shown(joint, joint.q_max)}"
+            f"joint {j} at {joint_value(joint, value)} is beyond {joint_value(joint, joint.q_min)} … "
+            f"{joint_value(joint, joint.q_max)}"
             for j, (joint, value) in enumerate(zip(leg.joints, q, strict=True), start=1)
             if not joint.q_min <= value <= joint.q_max
         ]
@@ -62,12 +62,6 @@ def facts(robot: Robot) -> list[str]:
         f"home: {listed(position)} m, turned by {listed(turned)} deg; gravity {listed(robot.gravity)} m/s²",
         f"motors: {robot.n_forces}",
     ]
-
-
-def shown(joint: Joint, value: float) -> str:
-    """A joint value in degrees, or in metres."""
-    number, unit = (value, "m") if joint.sigma else (np.degrees(value), "deg")
-    return f"{round(float(number), 9) + 0.0:.4g} {unit}"
 
 
 def rotation_vector(matrix: Array) -> Array:

@@ -2,6 +2,7 @@
 
 from parflex.export.interface import tips
 from parflex.mechanics.output import Output, PointOutput
+from parflex.robot.joint_words import driven
 from parflex.robot.leg import Joint
 from parflex.robot.robot import Robot
 
@@ -56,15 +57,9 @@ def state(robot: Robot) -> Rows:
 
 def actuators(robot: Robot) -> Rows:
     """The entries of u."""
-    driven = [
-        (number, j, joint)
-        for number, leg in enumerate(robot.legs, start=1)
-        for j, joint in enumerate(leg.joints, start=1)
-        if joint.mu
-    ]
     return [
         (f"u[{k}]", f"leg {number}, joint {j}: {unit(joint, 'N m', 'N')}")
-        for k, (number, j, joint) in enumerate(driven)
+        for k, (number, j, joint) in enumerate(driven(robot))
     ]
 
 

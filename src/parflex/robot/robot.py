@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base.array import Array, Given
 from parflex.base.check import all_of_type, exactly, of_type, rotation_matrix
+from parflex.base.doors import opened
 from parflex.base.errors import InputError
 from parflex.mechanics.chain import chain_of, joined
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup
@@ -77,9 +78,8 @@ class Robot:
         The modes of a flexible platform go to a NetCDF-4 file beside it. Raises InputError where a
         file cannot be written.
         """
-        from parflex.files.robot_writing import save_robot
-
-        return save_robot(self, path)
+        written: Path = opened("Robot.to_file")(self, path)
+        return written
 
     @property
     def home(self) -> State:

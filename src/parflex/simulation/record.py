@@ -13,6 +13,7 @@ from parflex.mechanics.kinematics import position_in_world
 from parflex.mechanics.ordering import by_attachment, joints_of
 from parflex.mechanics.paths import leg_paths
 from parflex.mechanics.system import System, assemble
+from parflex.robot.joint_words import actuator_names, actuator_units, beyond_limits
 from parflex.robot.layout import Layout, coordinates
 from parflex.robot.robot import Robot
 from parflex.simulation.result import FORMAT
@@ -67,33 +68,6 @@ def text_of(robot: Robot) -> str:
     from parflex.files.robot_writing import modal_table, robot_text
 
     return robot_text(robot, rigid_table(robot.platform) or modal_table("robot.platform.nc"))
-
-
-def actuator_names(robot: Robot) -> list[str]:
-    """What the actuators are called: by leg, and by joint where a leg has several."""
-    names = []
-    for number, leg in enumerate(robot.legs, start=1):
-        driven = [j for j, joint in enumerate(leg.joints, start=1) if joint.mu]
-        names += [f"leg {number}" + f", joint {j}" * (len(driven) > 1) for j in driven]
-    return names
-
-
-def actuator_units(robot: Robot) -> str:
-    """Of the actuators' forces: N, N m, or both where sliders and motors are mixed."""
-    kinds = {joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu}
-    return ", ".join(unit for sigma, unit in ((1, "N"), (0, "N m")) if sigma in kinds) or "N"
-
-
-def beyond_limits(robot: Robot, joints: Array) -> str:
-    """A line for each joint of (T, legs, n) that was beyond its limits; they are not enforced."""
-    lines = []
-    for number, leg in enumerate(robot.legs, start=1):
-        q = joints[:, number - 1]
-        for j, joint in enumerate(leg.joints):
-            if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
-                was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
-                lines.append(f"{was}, beyond its limits {joint.q_min:.4g} … {joint.q_max:.4g}")
-    return "\n".join(lines)
 
 
 def dataset_of(found: Variables, t: Array, robot: Robot, attributes: dict[str, Any]) -> xr.Dataset:

@@ -1,0 +1,47 @@
+"""Joints and actuators in words: their names, units, values and limits."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.robot.leg import Joint
+from parflex.robot.robot import Robot
+
+
+def driven(robot: Robot) -> Iterator[tuple[int, int, Joint]]:
+    """The actuated joints in the order of Γ: number of the leg, number in the leg (both from 1), joint."""
+    for number, leg in enumerate(robot.legs, start=1):
+        for j, joint in enumerate(leg.joints, start=1):
+            if joint.mu:
+                yield number, j, joint
+
+
+def actuator_names(robot: Robot) -> list[str]:
+    """The names of the actuators: by leg, and by joint where a leg has several."""
+    legs = [number for number, _, _ in driven(robot)]
+    return [f"leg {leg}" + f", joint {j}" * (legs.count(leg) > 1) for leg, j, _ in driven(robot)]
+
+
+def actuator_units(robot: Robot) -> str:
+    """The unit of the actuators' forces: N, N m, or both where sliders and motors are mixed."""
+    kinds = {joint.sigma for _, _, joint in driven(robot)}
+    return ", ".join(unit for sigma, unit in ((1, "N"), (0, "N m")) if sigma in kinds) or "N"
+
+
+def beyond_limits(robot: Robot, joints: Array) -> str:
+    """A line for each joint of (T, legs, n) that was beyond its limits; they are not enforced."""
+    lines = []
+    for number, leg in enumerate(robot.legs, start=1):
+        q = joints[:, number - 1]
+        for j, joint in enumerate(leg.joints):
+            if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
+                was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
+                lines.append(f"{was}, beyond its limits {joint.q_min:.4g} … {joint.q_max:.4g}")
+    return "\n".join(lines)
+
+
+def joint_value(joint: Joint, value: float) -> str:
+    """A joint value in degrees, or in metres."""
+    number, unit = (value, "m") if joint.sigma else (np.degrees(value), "deg")
+    return f"{round(float(number), 9) + 0.0:.4g} {unit}"
