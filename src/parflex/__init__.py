@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         InputError as InputError,
         NotConverged as NotConverged,
         OutOfReach as OutOfReach,
+        PartialRun as PartialRun,
         SingularPose as SingularPose,
     )
     from parflex.export.export import export_c as export_c
@@ -54,7 +55,11 @@ if TYPE_CHECKING:
         Controller as Controller,
         JointPD as JointPD,
     )
-    from parflex.simulation.result import Result as Result, load_result as load_result
+    from parflex.simulation.result import (
+        Result as Result,
+        RunStopped as RunStopped,
+        load_result as load_result,
+    )
     from parflex.simulation.simulate import simulate as simulate
     from parflex.simulation.trajectory import Trajectory as Trajectory
     from parflex.views import plot as plot
@@ -63,7 +68,7 @@ if TYPE_CHECKING:
 _NAMES = {  # of each module; loaded at first use, so that `import parflex` is quick
     "analysis.mobility": "Mobility",
     "analysis.zero_dynamics": "OutputReport",
-    "base.errors": "DynamicSingularity InputError NotConverged OutOfReach SingularPose",
+    "base.errors": "DynamicSingularity InputError NotConverged OutOfReach PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "mechanics.cartesian": "Cartesian",
@@ -81,7 +86,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "robot.state": "State",
     "robot.wrench": "Wrench",
     "simulation.laws": "ComputedTorque Controller JointPD",
-    "simulation.result": "Result load_result",
+    "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
     "simulation.trajectory": "Trajectory",
     "views.viewer": "View view",

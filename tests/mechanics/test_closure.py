@@ -325,7 +325,8 @@ def test_ctrl_c_keeps_what_a_constrained_robot_reached(rewriting):
             signal.raise_signal(signal.SIGINT)
         return np.full(3, 40.0)
 
-    result = pf.simulate(model, controller, start, np.linspace(0, 0.2, 41))
+    with pytest.warns(pf.PartialRun, match="interrupted"):
+        result = pf.simulate(model, controller, start, np.linspace(0, 0.2, 41))
     assert result.partial
     assert "interrupted" in result.stopped
     assert 1 < result.dataset.sizes["time"] < 41

@@ -12,6 +12,10 @@ import zoo
 from measures import random_states, relative
 from parflex.export.export import robot_of as exported
 from parflex.kernels.jacobians import direct_jacobian
+from parflex.simulation.laws import controller_of
+from parflex.simulation.loads import Loads
+from parflex.simulation.steppers import stepper_of
+from parflex.simulation.steppers.cyrk_steps import CyrkSteps
 
 SAME = 1e-12
 NEARLY = 1e-11  # where a payload hides what counts as round-off in the bare body; of 27 rows of rank 24
@@ -256,7 +260,7 @@ def test_values_are_told_and_kept(model):
     assert later.robot.gravity.tolist() == [0, 0, -1.62]
 
 
-def test_simulation_with_other_numbers(model, monkeypatch):
+def test_simulation_with_other_numbers(model):
     """A run on the moon, and its energies, against that of a robot built for the moon."""
     values = {"gravity": (0.0, 0.0, -1.62), f"platform.payload[{NODE}]": 4.0}
     moon, t = model.with_parameters(values), np.linspace(0.0, 0.02, 3)
@@ -269,7 +273,12 @@ def test_simulation_with_other_numbers(model, monkeypatch):
     push = {"wrenches": [pf.Wrench(0, (10.0, 20.0, 30.0))], "max_step": 0.01}
     two = pf.simulate(expected, 1.1 * forces, state, t, **push).dataset
     if model.backend.name == "native":
-        monkeypatch.delattr("parflex.simulation.simulate.SciPySteps")  # it does not return to Python
+        law = controller_of(moon, forces).bind(moon, Loads(moon, ()))
+        y, tolerances = (
+            np.append(moon.flat(state), np.zeros(3)),
+            {"rtol": 1e-6, "atol": 1e-6, "max_step": 1.0},
+        )
+        assert isinstance(stepper_of(law, "DOP853", 0.0, y, 1.0, tolerances), CyrkSteps)
     one = pf.simulate(moon, 1.1 * forces, state, t, **push).dataset
     for name in two.data_vars:
         if two[name].dtype.kind == "f":

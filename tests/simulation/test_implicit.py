@@ -11,7 +11,7 @@ from measures import random_forces, random_states
 from parflex.simulation.laws import controller_of
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.loads import Loads
-from parflex.simulation.stepping import SciPySteps
+from parflex.simulation.steppers.scipy_steps import SciPySteps
 
 STEP = 1e-4  # of central differences, extrapolated once
 DIFFERENCES = 1e-6  # of their own error

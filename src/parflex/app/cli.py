@@ -23,7 +23,7 @@ from parflex.app.terminal import (
     step,
 )
 from parflex.app.viewing import report, view
-from parflex.base.errors import InputError
+from parflex.base.errors import InputError, PartialRun
 from parflex.base.version import __version__
 
 app = typer.Typer(
@@ -142,6 +142,7 @@ def doctor() -> None:
 def run() -> None:
     """Entry point: errors of input end in one sentence, without a traceback."""
     warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")  # printed as a note
+    warnings.filterwarnings("ignore", category=PartialRun)  # told where the result is saved
     warnings.showwarning = lambda message, *_, **__: complaints.print(
         "[yellow]warning[/]", escape(str(message))
     )

@@ -22,6 +22,10 @@ class DynamicSingularity(UserWarning):
     against its actuators, and feedback of that output would be unstable."""
 
 
+class PartialRun(UserWarning):
+    """A simulation ended before its last output time; its result holds what was reached."""
+
+
 NO_INERTIA = (
     "some link or the platform has no inertia against one of its motions, so that no acceleration is "
     "finite: give it mass, inertia or a rotor inertia IA"

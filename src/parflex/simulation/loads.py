@@ -46,10 +46,11 @@ class Loads:
             return self._none
         return self._force(unpack(x, self._model.robot.layout), self._function(t))
 
-    def at(self, t: Array, x: Array) -> Array:
-        """(T, 6 + N) at times (T,) and flat states, without the constant ones; not numbers where the
-        function fails."""
-        return np.tile(self._none, (len(t), 1)) if self.steady else at_times(self, t, x, len(self._none))
+    def at(self, t: Array, x: Array) -> tuple[Array, BaseException | None]:
+        """(T, 6 + N) at times (T,) and flat states, without the constant ones; as `at_times`."""
+        if self.steady:
+            return np.tile(self._none, (len(t), 1)), None
+        return at_times(self, t, x, len(self._none))
 
     def constant(self, x: Array) -> Array:
         """(T, 6 + N) of the constant ones at flat states (T, size)."""
@@ -63,15 +64,19 @@ class Loads:
         return w
 
 
-def at_times(function: Callable[[float, Array], Array], t: Array, x: Array, size: int) -> Array:
-    """Rows (T, size) of a function of times (T,) and flat states (T, n).
+def at_times(
+    function: Callable[[float, Array], Array], t: Array, x: Array, size: int
+) -> tuple[Array, BaseException | None]:
+    """Rows (T, size) of a function of times (T,) and flat states (T, n), and the first thing that it raised.
 
-    Where a run stopped because the function failed, so may its last rows: they are not numbers.
+    Rows where it raises something are not numbers; after Ctrl-C it is not called any more.
     """
-    rows: list[Array] = []
-    for time, one in zip(t, x, strict=True):
+    rows, raised = np.full((len(t), size), np.nan), None
+    for i, time in enumerate(t):
         try:
-            rows.append(np.array(function(time, one)))
-        except (Exception, KeyboardInterrupt):  # whatever happens now, the run is worth keeping
-            rows.append(np.full(size, np.nan))
-    return np.array(rows).reshape(len(t), size)
+            rows[i] = function(time, x[i])
+        except KeyboardInterrupt as interrupt:
+            return rows, interrupt
+        except Exception as error:  # a caller's function may raise anything; the other rows are worth keeping
+            raised = raised or error
+    return rows, raised

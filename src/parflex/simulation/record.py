@@ -1,7 +1,7 @@
 """From the rows of an integration to a labelled dataset: forces, geometry, energies, differences."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -13,16 +13,14 @@ from parflex.mechanics.kinematics import position_in_world
 from parflex.mechanics.ordering import by_attachment, joints_of
 from parflex.mechanics.paths import leg_paths
 from parflex.mechanics.system import System, assemble
+from parflex.model.model import Model
 from parflex.robot.joint_words import actuator_names, actuator_units, beyond_limits
 from parflex.robot.layout import Layout, coordinates
 from parflex.robot.robot import Robot
+from parflex.simulation.integrate import Run
+from parflex.simulation.laws.law import Replay
 from parflex.simulation.result import FORMAT
 from parflex.simulation.trajectory import Trajectory
-
-if TYPE_CHECKING:
-    from parflex.model.model import Model
-    from parflex.simulation.laws.law import Replay
-    from parflex.simulation.simulate import Run
 
 Variables = dict[str, tuple[tuple[str, ...], Array, str, str]]  # dims, values, units, long name
 
@@ -31,9 +29,9 @@ ACCELERATION_UNITS = "m s-2, rad s-2"
 
 
 def record(
-    model: "Model",
-    run: "Run",
-    motion: "Replay",
+    model: Model,
+    run: Run,
+    motion: Replay,
     trajectory: Trajectory | None,
     settings: dict[str, Any],
 ) -> xr.Dataset:
@@ -90,7 +88,7 @@ def dataset_of(found: Variables, t: Array, robot: Robot, attributes: dict[str, A
     return xr.Dataset(variables, coords, attributes)
 
 
-def motion_variables(run: "Run", layout: Layout) -> Variables:
+def motion_variables(run: Run, layout: Layout) -> Variables:
     """The state over time."""
     c = coordinates(run.x, layout)
     return {
@@ -112,7 +110,7 @@ def motion_variables(run: "Run", layout: Layout) -> Variables:
     }
 
 
-def dynamic_variables(robot: Robot, run: "Run", motion: "Replay") -> Variables:
+def dynamic_variables(robot: Robot, run: Run, motion: Replay) -> Variables:
     """Forces, accelerations and contact forces at every output time."""
     N, twist = robot.platform.modes, run.x[:, 7:13]
     Vd = motion.rate[:, 7:13].copy()
@@ -136,7 +134,7 @@ def dynamic_variables(robot: Robot, run: "Run", motion: "Replay") -> Variables:
     }
 
 
-def geometry_variables(robot: Robot, run: "Run", system: System) -> Variables:
+def geometry_variables(robot: Robot, run: Run, system: System) -> Variables:
     """Legs, deformation, and what a picture of the robot needs."""
     body, c = robot.platform, system.x
     legs, paths = joints_of(robot, system), leg_paths(system)
@@ -235,7 +233,7 @@ def side_by_side(values: Sequence[Array], count: int) -> Array:
     return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
 
 
-def energy_variables(robot: Robot, run: "Run", system: System) -> Variables:
+def energy_variables(robot: Robot, run: Run, system: System) -> Variables:
     """The ledger: energies, works, and the residual of their balance."""
     kinetic, gravity, strain, springs = energies(robot, system)
     actuators, wrenches, dissipated = run.works.T
@@ -254,7 +252,7 @@ def energy_variables(robot: Robot, run: "Run", system: System) -> Variables:
     return {f"energy_{name}": (("time",), value, "J", words) for name, (value, words) in named.items()}
 
 
-def wanted_variables(run: "Run", trajectory: Trajectory, acceleration: Array) -> Variables:
+def wanted_variables(run: Run, trajectory: Trajectory, acceleration: Array) -> Variables:
     """The trajectory that was to be followed, and the differences from it."""
     from scipy.spatial.transform import Rotation
 

@@ -55,6 +55,14 @@ class Result:
         return target
 
 
+class RunStopped(Exception):
+    """A simulation ended early: `result` holds what was reached, and the cause is the error that ended it."""
+
+    def __init__(self, result: Result) -> None:
+        super().__init__(f"the run stopped {result.stopped}; what was reached is in the error's .result")
+        self.result = result
+
+
 def load_result(path: str | os.PathLike[str]) -> Result:
     """A result that `Result.save` wrote.
 

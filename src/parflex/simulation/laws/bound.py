@@ -73,10 +73,11 @@ class BoundLaw:
 
     def replay(self, t: Array, x: Array) -> Replay:
         """Forces and motion at times (T,) and flat states (T, size); not numbers where they fail."""
-        rows = at_times(self.row, t, x, self.rows.shape[1])
-        load = self.loads.at(t, x)
+        rows, raised = at_times(self.row, t, x, self.rows.shape[1])
+        load, raised_too = self.loads.at(t, x)
         found = Outputs(*self.function.each(*Inputs(x, t[:, None], rows, load, self.loads.pushes)))
-        return Replay(found.forces, found.rate, found.contact, load + self.loads.constant(x))
+        load = load + self.loads.constant(x)
+        return Replay(found.forces, found.rate, found.contact, load, raised or raised_too)
 
     @cached_property
     def _slopes(self) -> tuple[Trigger, Array]:

@@ -10,6 +10,8 @@ from parflex.base.array import Array
 from parflex.kernels.kernel import Kernel
 from parflex.mechanics.output import Output
 
+WORKS = 3  # of actuators, external wrenches and damping: integrated beside the state
+
 
 class Inputs(NamedTuple):
     """What the kernel of a motion reads."""
@@ -38,6 +40,7 @@ class Replay(NamedTuple):
     rate: Array  # ẋ (T, size)
     contact: Array  # contact forces by tip (T, 3k)
     load: Array  # external generalised forces (T, 6 + N)
+    raised: BaseException | None = None  # the first thing that a caller's function raised
 
 
 class Watch(Protocol):

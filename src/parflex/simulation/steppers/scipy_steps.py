@@ -1,6 +1,5 @@
-"""Ways to go on in time: what a simulation asks of an integrator."""
+"""SciPy's integrators, one step at a time, for any function."""
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 import numpy as np
@@ -8,42 +7,14 @@ from scipy import integrate
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.simulation.steppers.stepper import Stepper, Stuck
 
-CLOSE = 1e-12  # of the time, that is no step
-METHODS = ("DOP853", "RK45", "Radau")  # which begin each step from the point alone
-IMPLICIT = ("Radau",)  # of these: they ask for ∂f/∂y
-
-
-class Stuck(Exception):
-    """The step size has vanished."""
-
-
-class Stepper(ABC):
-    """An integration of ẏ = f(t, y) that has reached y (size,) at time t."""
-
-    t: float
-    y: Array
-    steps: int  # taken so far
-
-    @property
-    @abstractmethod
-    def refused(self) -> InputError | None:
-        """Why f had no value at a trial of the last advance, if it had none."""
-
-    @abstractmethod
-    def advance(self, times: Array) -> Array:
-        """Go on, at most to the last of the times; rows (k, size) at the first k, which were passed.
-
-        Raises Stuck where no step is small enough; t and y are then where it ended.
-        """
-
-    @abstractmethod
-    def moved(self) -> None:
-        """To be called when somebody has changed y."""
+CLOSE = 1e-12  # a shorter step, relative to the time, is none
+IMPLICIT = ("Radau",)  # methods that ask for ∂f/∂y
 
 
 class RightHandSide:
-    """ẏ for an integrator.
+    """The function ẏ = rate(t, y) as an integrator takes it.
 
     Where `rate` refuses a trial state, the answer is not a number: the integrator then shortens
     its step, and ends when that does not help.
@@ -64,7 +35,7 @@ class RightHandSide:
 
 
 class SciPySteps(Stepper):
-    """One step of one of SciPy's methods at a time, of any function, which is smooth `until` some time.
+    """One step of one of SciPy's methods at a time; from any time on, the function is smooth `until` another.
 
     Implicit methods read ∂f/∂y from `slopes`. SciPy's own differences step by parts of y: too little where
     a coordinate is near zero, and ever more, to infinity, along works, on which f does not depend.

@@ -1,0 +1,97 @@
+"""The integration of a run: a stepper advances, observers look, rows at the output times are kept."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.simulation.laws.law import WORKS
+from parflex.simulation.observers import DIVERGES, Advance, Observer
+from parflex.simulation.steppers.stepper import Stepper, Stuck
+
+INTERRUPTED = "interrupted"
+
+
+@dataclass
+class Run:
+    """The output times (T,) of a run, and what was reached of it."""
+
+    times: Array
+    rows: list[Array]  # y (k, size) at the first output times, advance by advance
+    reached: float  # s
+    stopped: str = ""  # when and why it ended early; empty where it did not
+    cause: BaseException | None = None  # what was raised by others, if that ended it
+    done: int = field(init=False, default=1)  # rows
+
+    @property
+    def left(self) -> Array:
+        """The output times that are still to be reached; none of a run that has stopped."""
+        return self.times[:0] if self.stopped else self.times[self.done :]
+
+    def take(self, advance: Advance) -> None:
+        """Keep what an advance brought."""
+        self.rows.append(advance.rows)
+        self.done += len(advance.rows)
+        self.reached = advance.reached
+        if advance.stopped:
+            self.stop(advance.stopped)
+
+    def stop(self, why: str, cause: BaseException | None = None, when: str = "") -> None:
+        """Say why the run ends, by default at the time reached."""
+        when = when or f"at t = {self.reached:.6g} s"
+        self.stopped, self.cause = f"{when}: {why}", cause
+
+    def fail(self, error: BaseException, when: str = "") -> None:
+        """Say that an error ends the run."""
+        if isinstance(error, KeyboardInterrupt):
+            self.stop(INTERRUPTED, error, when)
+        elif isinstance(error, InputError):
+            self.stop(str(error), None, when)
+        else:
+            self.stop(f"{type(error).__name__}: {error}", error, when)
+
+    @property
+    def t(self) -> Array:
+        """The output times that were reached (k,)."""
+        return self.times[: self.done]
+
+    @cached_property
+    def x(self) -> Array:
+        """Flat states (k, size) at these times."""
+        x = np.concatenate(self.rows)[:, :-WORKS]
+        x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)
+        return x
+
+    @cached_property
+    def works(self) -> Array:
+        """Works (k, 3) J of actuators, wrenches and damping at these times."""
+        return np.concatenate(self.rows)[:, -WORKS:]
+
+
+def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: Sequence[Observer]) -> Run:
+    """The run from y (size,) on, as far as it comes.
+
+    Raises InputError where the start is refused; whatever else happens is told by the run.
+    """
+    run = Run(times, [y[None].copy()], times[0])
+    stepper: Stepper | None = None
+    try:
+        stepper = begin()
+        while len(run.left):
+            rows = stepper.advance(run.left)
+            advance = Advance(stepper, run.left[: len(rows)], rows, stepper.t)
+            for observer in observers:
+                observer.see(advance)
+            run.take(advance)
+    except Stuck:
+        assert stepper is not None
+        explained = (observer.explain() for observer in observers)
+        run.stop(str(stepper.refused or next(filter(None, explained), DIVERGES)))
+    except (Exception, KeyboardInterrupt) as error:  # what others raise must not cost what was reached
+        if stepper is None and isinstance(error, InputError):
+            raise
+        run.fail(error)
+    return run

@@ -1,0 +1,127 @@
+"""What looks at a run after each advance of its stepper: closure, singularities, crawling, progress."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.progress import Progress
+from parflex.kernels.projection import projection
+from parflex.mechanics.closure import CLOSED, size_of
+from parflex.mechanics.legs.base import MARGINS
+from parflex.model.model import Model
+from parflex.simulation.laws.law import WORKS, Watch
+from parflex.simulation.steppers.stepper import Stepper
+
+DIVERGES = "the step size vanished: it diverges"
+PROJECTIONS = 5  # at most, of one state onto the closure
+SMALLEST, PATIENCE = 1e-6, 1000  # a mean step below this part of the run, over so many, ends it
+
+
+@dataclass
+class Advance:
+    """What one advance brought: y (k, size) at the output times (k,) that were passed, and the stepper."""
+
+    stepper: Stepper
+    times: Array
+    rows: Array
+    reached: float  # s
+    stopped: str = ""  # why the run ends here
+
+
+class Observer(ABC):
+    """Something that looks at a run."""
+
+    def begin(self, y: Array) -> None:
+        """Look at the start, or change it; raises InputError where the run cannot start there."""
+        return
+
+    @abstractmethod
+    def see(self, advance: Advance) -> None:
+        """Look at an advance: change its rows and the stepper's y, or say that the run ends here."""
+
+    def explain(self) -> str:
+        """Why the stepper may be stuck; empty where nothing is known."""
+        return ""
+
+
+class Closure(Observer):
+    """States are put back onto the closure of the legs, in the metric of the robot's mass."""
+
+    def __init__(self, model: Model) -> None:
+        self._model = model
+        function = model.function(projection)
+        self._x, self._moved, self._health = (
+            np.zeros(n) for n in (*function.kernel.inputs, *function.kernel.outputs)
+        )
+        self._run = function.bind([self._x], [self._moved, self._health])
+        self._tolerance = CLOSED * size_of(model.robot)
+        self._gaps = MARGINS * len(model.robot.legs)  # where they begin in health
+
+    def begin(self, y: Array) -> None:
+        self._x[:] = y[:-WORKS]
+        self._run()
+        self._model.check(self._x, self._health)
+        self.close(y)
+
+    def see(self, advance: Advance) -> None:
+        for row in advance.rows:
+            self.close(row)
+        self.close(advance.stepper.y)
+        advance.stepper.moved()
+
+    def close(self, y: Array) -> None:
+        """Put the state in y (size,) on the closure, by at most so many projections."""
+        self._x[:] = y[:-WORKS]
+        for _ in range(PROJECTIONS):
+            self._run()
+            if not np.max(np.abs(self._health[self._gaps :])) > self._tolerance:
+                break
+            self._x[:] = self._moved
+        y[:-WORKS] = self._x
+
+
+class Singularities(Observer):
+    """The run ends before a singularity that the law's watch sees."""
+
+    def __init__(self, watch: Watch) -> None:
+        self._watch = watch
+
+    def begin(self, y: Array) -> None:
+        self._watch.look(y[None, :-WORKS])
+
+    def see(self, advance: Advance) -> None:
+        states = np.vstack([advance.rows, advance.stepper.y])[:, :-WORKS]
+        before, advance.stopped = self._watch.look(states)
+        if before < len(advance.rows):
+            advance.rows, advance.reached = advance.rows[:before], advance.times[before]
+
+    def explain(self) -> str:
+        return self._watch.explain()
+
+
+class Crawl(Observer):
+    """The run ends where its steps have become so small that it would never end."""
+
+    def __init__(self, start: float, end: float, explain: Callable[[], str]) -> None:
+        self._least, self._explain = SMALLEST * PATIENCE * (end - start), explain
+        self._steps, self._t = 0, start
+
+    def see(self, advance: Advance) -> None:
+        stepper = advance.stepper
+        if stepper.steps - self._steps >= PATIENCE:
+            if stepper.t - self._t < self._least:
+                advance.stopped = self._explain() or DIVERGES
+            self._steps, self._t = stepper.steps, stepper.t
+
+
+class Bar(Observer):
+    """A progress bar shows the time that was reached."""
+
+    def __init__(self, bar: Progress, start: float) -> None:
+        self._bar, self._start = bar, start
+
+    def see(self, advance: Advance) -> None:
+        self._bar.to(advance.reached - self._start)
