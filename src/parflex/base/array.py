@@ -14,7 +14,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[Any]  # floats, or an object array of symbols
-Given = Any  # a field that takes anything array-like and holds a checked float array
 
 
 def stack(parts: Sequence[Any], axis: int = -1) -> Array:

@@ -58,10 +58,11 @@ def integer(name: str, value: Any, lowest: int = 0) -> int:
     return int(value)
 
 
-def of_type(name: str, value: Any, kind: type, article: str = "a") -> None:
+def of_type(name: str, value: Any, kind: type, article: str = "a") -> Any:
     """An object of parflex's own."""
     if not isinstance(value, kind):
         raise InputError(f"{name} is {type(value).__name__}; expected {article} {kind.__name__}")
+    return value
 
 
 def all_of_type(name: str, values: Any, kind: type) -> tuple[Any, ...]:

@@ -42,7 +42,7 @@ class Family:
         """
         robot = self.first.robot
         check_joints(robot, state)
-        numbers = other_branches(robot, state.joints)
+        numbers = other_branches(robot, state.joints or ())
         if not numbers:
             return self.first
         with self._lock:
@@ -57,5 +57,5 @@ class Family:
         first = self.first
         if self._source is not None:
             return self._source.on(state).with_parameters(first.parameters)
-        robot = on_branches(first.robot, numbers, state.joints)
+        robot = on_branches(first.robot, numbers, state.joints or ())
         return type(first)(robot, first.backend.name, tuple(first.parameters))

@@ -5,12 +5,12 @@ them reads `described`: the checks, the tables of a chain, parameters, robot fil
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, fields
+from dataclasses import MISSING, dataclass, field, fields
 from typing import Any
 
 import numpy as np
 
-from parflex.base.check import SYMMETRIC, Rule, exactly, obeying, scalar
+from parflex.base.check import SYMMETRIC, Rule, exactly, finite, obeying, scalar
 from parflex.base.kinds import ByType, Kind
 
 
@@ -47,6 +47,11 @@ def about(form: Callable[[str, Any], Any], **known: Any) -> dict[str, Column]:
     return {"column": Column(form, **known)}
 
 
+def held(form: Callable[[str, Any], Any] | None = None, default: Any = MISSING) -> Any:
+    """A field that is given as one type and held as another: it holds what the check makes of a value."""
+    return field(default=default, metadata=about(form) if form else {})
+
+
 def number(default: float, kind: Kind | ByType, file: str, words: str, **known: Any) -> Any:
     """A field of one finite number, a table of the chain."""
     known |= {"kind": kind, "file": file, "words": words, "default": default, "table": True}
@@ -76,9 +81,14 @@ def array(shape: tuple[int, ...], kind: Kind, file: str, words: str, **known: An
     return field(default_factory=lambda: np.zeros(shape), metadata=made)
 
 
-def exact(shape: tuple[int, ...]) -> Callable[[str, Any], Any]:
+def exact(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
     """A check for arrays of this shape."""
     return lambda name, value: exactly(name, value, shape)
+
+
+def batched(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
+    """A check for batches of arrays of this shape."""
+    return lambda name, value: finite(name, value, shape)
 
 
 def endless(name: str, value: Any) -> float:

@@ -1,15 +1,18 @@
 """What a leg is: its table, its tips, and where it stands."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from parflex.base import kinds
-from parflex.base.array import Given
+from parflex.base.array import Array
 from parflex.base.check import FLAG, NOT_NEGATIVE, POSITIVE, all_of_type, exactly, integer, single_rotation
 from parflex.base.errors import InputError
-from parflex.robot.fields import about, check_fields, exact, limit, number, symmetric, vector
+from parflex.base.held import Given, Held
+from parflex.robot.fields import about, check_fields, exact, held, limit, number, symmetric, vector
 from parflex.robot.words import listed, told
 
 RUN_TIME = {"parameter": True, "alike": False}  # legs that are traced as one may differ in it
@@ -84,7 +87,7 @@ class Tip:
     the platform's attachment number `attachment` (from 0)."""
 
     frame: int = field(metadata=about(partial(integer, lowest=1)))
-    offset: Given = field(default=(0.0, 0.0, 0.0), metadata=about(exact((3,))))
+    offset: Given = held(exact((3,)), default=(0.0, 0.0, 0.0))
     attachment: int = field(default=0, metadata=about(integer))
 
     def __post_init__(self) -> None:
@@ -102,11 +105,11 @@ class Leg:
     Raises InputError where the tree has a loop or a tip is on no link.
     """
 
-    rotation: Given = field(metadata=about(single_rotation))
-    origin: Given = field(metadata=about(exact((3,))))
-    joints: tuple[Joint, ...] = field(metadata=about(partial(all_of_type, kind=Joint)))
-    tips: tuple[Tip, ...] = field(metadata=about(partial(all_of_type, kind=Tip)))
-    posture: Given = None
+    rotation: Given = held(single_rotation)
+    origin: Given = held(exact((3,)))
+    joints: Held[Sequence[Joint], tuple[Joint, ...]] = held(partial(all_of_type, kind=Joint))
+    tips: Held[Sequence[Tip], tuple[Tip, ...]] = held(partial(all_of_type, kind=Tip))
+    posture: Held[ArrayLike | None, Array | None] = held(default=None)
 
     def __post_init__(self) -> None:
         check_fields(self)

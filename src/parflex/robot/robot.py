@@ -2,22 +2,25 @@
 
 import os
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.array import Array, Given
+from parflex.base.array import Array
 from parflex.base.check import all_of_type, exactly, of_type, rotation_matrix
 from parflex.base.doors import opened
 from parflex.base.errors import InputError
+from parflex.base.held import Given, Held
 from parflex.mechanics.chain import chain_of, joined
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup
 from parflex.mechanics.legs.base import settled
 from parflex.robot.body import FlexibleBody
+from parflex.robot.fields import check_fields, exact, held
 from parflex.robot.layout import Layout
 from parflex.robot.leg import Leg
 from parflex.robot.state import State
@@ -25,6 +28,14 @@ from parflex.robot.words import counted, listed, modal
 
 if TYPE_CHECKING:
     from parflex.mechanics.redundancy import Rows
+
+
+def single_pose(name: str, given: Any) -> tuple[Array, Array]:
+    """A position (3,) m and a rotation (3, 3)."""
+    if not isinstance(given, (tuple, list)) or len(given) != 2:
+        raise InputError(f"{name} is {type(given).__name__}; give a pair, position (3,) and rotation (3, 3)")
+    rotation = exactly(f"{name}[1]", given[1], (3, 3))
+    return exactly(f"{name}[0]", given[0], (3,)), rotation_matrix(f"{name}[1]", rotation)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,16 +48,15 @@ class Robot:
     Raises InputError where tips and attachments do not match.
     """
 
-    legs: tuple[Leg, ...]
-    platform: FlexibleBody
-    gravity: Given = (0.0, 0.0, -9.81)
-    home_pose: tuple[ArrayLike, ArrayLike] = ((0.0, 0.0, 0.0), np.eye(3))
+    legs: Held[Sequence[Leg], tuple[Leg, ...]] = held(partial(all_of_type, kind=Leg))
+    platform: Held[FlexibleBody, FlexibleBody] = held(partial(of_type, kind=FlexibleBody))
+    gravity: Given = held(exact((3,)), default=(0.0, 0.0, -9.81))
+    home_pose: Held[tuple[ArrayLike, ArrayLike], tuple[Array, Array]] = held(
+        single_pose, default=((0.0, 0.0, 0.0), np.eye(3))
+    )
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "legs", all_of_type("Robot.legs", self.legs, Leg))
-        of_type("Robot.platform", self.platform, FlexibleBody)
-        object.__setattr__(self, "gravity", exactly("Robot.gravity", self.gravity, (3,)))
-        object.__setattr__(self, "home_pose", single_pose("Robot.home_pose", self.home_pose))
+        check_fields(self)
         held: dict[int, int] = {}
         count = len(self.platform.attachments)
         for number, leg in enumerate(self.legs):
@@ -147,14 +157,6 @@ class Robot:
         from parflex.mechanics.redundancy import closure_rows
 
         return closure_rows(self)
-
-
-def single_pose(name: str, given: Any) -> tuple[Array, Array]:
-    """A position (3,) m and a rotation (3, 3)."""
-    if not isinstance(given, (tuple, list)) or len(given) != 2:
-        raise InputError(f"{name} is {type(given).__name__}; give a pair, position (3,) and rotation (3, 3)")
-    rotation = exactly(f"{name}[1]", given[1], (3, 3))
-    return exactly(f"{name}[0]", given[0], (3,)), rotation_matrix(f"{name}[1]", rotation)
 
 
 def alone(number: int, leg: Leg, forces: int, joints: int) -> LegGroup:

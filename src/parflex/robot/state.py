@@ -1,16 +1,34 @@
 """The state of a robot, the loads on its platform, and how both are packed into flat vectors."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.array import Array, Given
+from parflex.base.array import Array
 from parflex.base.check import finite, rotation_matrix
 from parflex.base.errors import InputError
+from parflex.base.held import Given, Held
+from parflex.robot.fields import batched, check_fields, held
 from parflex.robot.words import counted, listed
+
+
+def per_leg(name: str, values: Any) -> tuple[Array | None, ...] | None:
+    """One (…, n_i) array, or None, per leg."""
+    if values is None:
+        return None
+    if not isinstance(values, (list, tuple)):
+        raise InputError(f"{name} is {type(values).__name__}; give a tuple with one (…, n_i) per leg")
+    return tuple(
+        None if value is None else finite(f"{name}[{number}]", value, (None,))
+        for number, value in enumerate(values)
+    )
+
+
+PerLeg: TypeAlias = Held[Sequence[ArrayLike | None] | None, tuple[Array | None, ...] | None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,22 +50,16 @@ class State:
     ((2,), array([0. , 0. , 1.1]))
     """
 
-    position: Given
-    rotation: Given
-    twist: Given = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
-    elastic: Given = 0.0
-    elastic_rate: Given = 0.0
-    joints: Given = None
-    joint_rates: Given = None
+    position: Given = held(batched((3,)))
+    rotation: Given = held(rotation_matrix)
+    twist: Given = held(batched((6,)), default=(0.0, 0.0, 0.0, 0.0, 0.0, 0.0))
+    elastic: Given = held(finite, default=0.0)
+    elastic_rate: Given = held(finite, default=0.0)
+    joints: PerLeg = held(per_leg, default=None)
+    joint_rates: PerLeg = held(per_leg, default=None)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "position", finite("State.position", self.position, (3,)))
-        object.__setattr__(self, "rotation", rotation_matrix("State.rotation", self.rotation))
-        object.__setattr__(self, "twist", finite("State.twist", self.twist, (6,)))
-        for name in ("elastic", "elastic_rate"):
-            object.__setattr__(self, name, finite(f"State.{name}", getattr(self, name)))
-        for name in ("joints", "joint_rates"):
-            object.__setattr__(self, name, per_leg(f"State.{name}", getattr(self, name)))
+        check_fields(self)
         _ = self.batch  # the leading axes must broadcast
 
     def __repr__(self) -> str:
@@ -102,18 +114,6 @@ class State:
             (self.elastic, 1),
             (self.elastic_rate, 1),
         )
-
-
-def per_leg(name: str, values: Any) -> tuple[Array | None, ...] | None:
-    """One (…, n_i) array, or None, per leg."""
-    if values is None:
-        return None
-    if not isinstance(values, (list, tuple)):
-        raise InputError(f"{name} is {type(values).__name__}; give a tuple with one (…, n_i) per leg")
-    return tuple(
-        None if value is None else finite(f"{name}[{number}]", value, (None,))
-        for number, value in enumerate(values)
-    )
 
 
 def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:

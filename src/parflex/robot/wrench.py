@@ -1,10 +1,11 @@
 """A wrench on a node of the platform."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
-from parflex.base.array import Given
-from parflex.base.check import finite, integer
+from parflex.base.check import integer
 from parflex.base.errors import InputError
+from parflex.base.held import Given
+from parflex.robot.fields import about, batched, check_fields, held
 from parflex.robot.words import told
 
 
@@ -15,15 +16,13 @@ class Wrench:
     Raises InputError for wrong shapes or another frame name.
     """
 
-    node: int
-    force: Given = (0.0, 0.0, 0.0)
-    moment: Given = (0.0, 0.0, 0.0)
+    node: int = field(metadata=about(integer))
+    force: Given = held(batched((3,)), default=(0.0, 0.0, 0.0))
+    moment: Given = held(batched((3,)), default=(0.0, 0.0, 0.0))
     frame: str = "world"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "force", finite("Wrench.force", self.force, (3,)))
-        object.__setattr__(self, "moment", finite("Wrench.moment", self.moment, (3,)))
-        object.__setattr__(self, "node", integer("Wrench.node", self.node))
+        check_fields(self)
         if self.frame not in ("world", "platform"):
             raise InputError(f'Wrench.frame is {self.frame!r}; choose "world" or "platform"')
 

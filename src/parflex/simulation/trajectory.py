@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
-from parflex.base.array import Array, Given
+from parflex.base.array import Array
 from parflex.base.check import exactly, finite, rotation_matrix, scalar
 from parflex.base.errors import InputError
+from parflex.base.held import Given
 from parflex.kernels.segment import Sample, along
+from parflex.robot.fields import check_fields, exact, held
 from parflex.robot.state import State
 from parflex.robot.words import listed
 
@@ -28,14 +30,14 @@ class Trajectory:
     Raises InputError for fewer than two poses, wrong shapes or durations that are not positive.
     """
 
-    positions: Given
-    rotations: Given
-    durations: Given
+    positions: Given = held(exact((None, 3)))
+    rotations: Given = held(rotation_matrix)
+    durations: Given = held()
     rest: tuple[float, float] = (0.5, 0.5)
 
     def __post_init__(self) -> None:
-        positions = exactly("Trajectory.positions", self.positions, (None, 3))
-        rotations = rotation_matrix("Trajectory.rotations", self.rotations)
+        check_fields(self)
+        positions, rotations = self.positions, self.rotations
         if len(positions) < 2 or rotations.shape != (len(positions), 3, 3):
             raise InputError(
                 f"Trajectory has positions {positions.shape} and rotations {rotations.shape}; give "
@@ -47,13 +49,8 @@ class Trajectory:
             raise InputError(
                 f"Trajectory.durations {durations} must be positive and rest {rest} not negative"
             )
-        for name, value in (
-            ("positions", positions),
-            ("rotations", rotations),
-            ("durations", durations),
-            ("rest", (float(rest[0]), float(rest[1]))),
-        ):
-            object.__setattr__(self, name, value)
+        object.__setattr__(self, "durations", durations)
+        object.__setattr__(self, "rest", (float(rest[0]), float(rest[1])))
 
     @staticmethod
     def through(

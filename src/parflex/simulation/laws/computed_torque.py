@@ -7,10 +7,11 @@ import numpy as np
 
 from parflex.analysis import singularities
 from parflex.base import kinds
-from parflex.base.array import Array, Given, block, join, mtv, mv, skew, transpose
+from parflex.base.array import Array, block, join, mtv, mv, skew, transpose
 from parflex.base.check import finite, of_type
 from parflex.base.dual import jacobian
 from parflex.base.errors import InputError
+from parflex.base.held import Given
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
@@ -22,6 +23,7 @@ from parflex.mechanics.platform import axial
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.model import Model
+from parflex.robot.fields import held
 from parflex.robot.layout import Coordinates
 from parflex.robot.robot import Robot
 from parflex.simulation.laws.controller import INDEX, Controller, Entry, Start, stacked_row
@@ -116,10 +118,10 @@ class ComputedTorque(Controller):
 
     model: Model
     trajectory: Trajectory
-    kp: Given = 0.0
-    kd: Given = 0.0
+    kp: Given = held(default=0.0)
+    kd: Given = held(default=0.0)
     output: FrameOutput = field(default_factory=FrameOutput)
-    preload: Given = 0.0
+    preload: Given = held(default=0.0)
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):

@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parflex.base.array import Array, Given
+from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
+from parflex.base.held import Given
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
@@ -14,6 +15,7 @@ from parflex.mechanics import dynamics
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.model import Model
+from parflex.robot.fields import held
 from parflex.robot.robot import Robot
 from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import Law
@@ -45,7 +47,7 @@ class ConstantForces(Controller):
     """
 
     model: Model
-    forces: Given
+    forces: Given = held()
 
     def __post_init__(self) -> None:
         m, forces = self.model.robot.n_forces, finite("forces_or_controller", self.forces)

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from parflex.base import kinds
-from parflex.base.array import Array, Given
+from parflex.base.array import Array
 from parflex.base.check import finite, of_type
 from parflex.base.errors import InputError
+from parflex.base.held import Given
 from parflex.kernels import models
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
@@ -18,6 +19,7 @@ from parflex.mechanics import system as assembly
 from parflex.mechanics.derivatives.joint_tangent import joint_tangent
 from parflex.mechanics.wrench import Place
 from parflex.model.model import Model
+from parflex.robot.fields import held
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 from parflex.simulation.laws.controller import Controller, Entry, Start, stacked_row
@@ -82,9 +84,9 @@ class JointPD(Controller):
 
     model: Model
     reference: State
-    kp: Given
-    kd: Given
-    forces: Given = 0.0
+    kp: Given = held()
+    kd: Given = held()
+    forces: Given = held(default=0.0)
 
     def __post_init__(self) -> None:
         m = self.model.robot.n_forces
