@@ -13,8 +13,6 @@ from parflex.robots.links import together, tube
 from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import THIRDS, plate, ring, standing
 
-SOURCE = "topology: Clavel 1988; parameters our own"
-
 BASE_RADIUS = 0.25  # m
 SIDE = 0.15  # m, of the hexagonal plate; two rods hold the ends of every other side
 PLATFORM = (-30, 30, 90, 150, 210, 270)  # degrees: the corners of the plate
@@ -30,12 +28,13 @@ ARM_LINK = together(
 ROD_LINK = tube(CARBON["density"], 0.008, (0, 0, 0), (ROD, 0, 0), bore=0.006)
 ROTOR = 0.01  # kg m², of the motor behind its gear
 
-OUTPUT = (0, 1, 2)
-STILL = (0.0, 0.0, 0.0)
-MOVES = (
-    ((0.15, -0.10, 0.05), STILL),
-    ((-0.15, 0.05, -0.08), STILL),
-    ((0.05, 0.15, -0.03), STILL),
+# the arm, turning downwards; twice a cross of no mass and a rod along its x
+JOINTS = (
+    Joint(0, sigma=0, mu=1, alpha=-np.pi / 2, **ARM_LINK, IA=ROTOR),
+    Joint(1, sigma=0, d=ARM, r=-SIDE / 2),
+    Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
+    Joint(1, sigma=0, d=ARM, r=SIDE / 2),
+    Joint(4, sigma=0, alpha=np.pi / 2, **ROD_LINK),
 )
 
 
@@ -44,20 +43,11 @@ def corners() -> Array:
     return ring(SIDE, PLATFORM)
 
 
-def links() -> tuple[Joint, ...]:
-    """The arm, turning downwards; twice a cross of no mass and a rod along its x."""
-    joints = [Joint(0, sigma=0, mu=1, alpha=-np.pi / 2, **ARM_LINK, IA=ROTOR)]
-    for cross, aside in ((2, -SIDE / 2), (4, SIDE / 2)):
-        joints.append(Joint(1, sigma=0, d=ARM, r=aside))
-        joints.append(Joint(cross, sigma=0, alpha=np.pi / 2, **ROD_LINK))
-    return tuple(joints)
-
-
 def leg(number: int) -> Leg:
     """One of three equal legs, its knee outside."""
     rotation, origin = standing(BASE_RADIUS, THIRDS[number])
     tips = tuple(Tip(frame, (ROD, 0, 0), 2 * number + i) for i, frame in enumerate((3, 5)))
-    return Leg(rotation, origin, links(), tips, posture=(0.3, 1.8, 0.0, 1.8, 0.0))
+    return Leg(rotation, origin, JOINTS, tips, posture=(0.3, 1.8, 0.0, 1.8, 0.0))
 
 
 def delta(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
@@ -67,7 +57,17 @@ def delta(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: f
     own replaces the plate; it needs six attachments. Parameters are invented but realistic.
     """
     body = plate(corners(), modes, damping_ratio, **PLATE) if platform is None else platform
-    return Robot(tuple(leg(number) for number in range(3)), body, home_pose=(HOME, np.eye(3)))
+    return Robot(tuple(map(leg, range(3))), body, home_pose=(HOME, np.eye(3)))
 
 
-ENTRY = Entry("Delta", delta, OUTPUT, MOVES, SOURCE)
+ENTRY = Entry(
+    "Delta",
+    delta,
+    output=(0, 1, 2),
+    moves=(
+        ((0.15, -0.10, 0.05), (0.0, 0.0, 0.0)),
+        ((-0.15, 0.05, -0.08), (0.0, 0.0, 0.0)),
+        ((0.05, 0.15, -0.03), (0.0, 0.0, 0.0)),
+    ),
+    source="topology: Clavel 1988; parameters our own",
+)

@@ -13,8 +13,6 @@ from parflex.robots.links import box
 from parflex.robots.materials import ALUMINIUM, STEEL
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
-SOURCE = "topology: Carretero, Podhorodeski, Nahon and Gosselin 2000; columns upright, parameters our own"
-
 BASE_RADIUS, PLATFORM_RADIUS = 0.50, 0.30  # m
 ROD = 0.45  # m
 HOME = (0.0, 0.0, 0.70)  # m over the feet of the columns
@@ -24,11 +22,10 @@ CARRIAGE = box(ALUMINIUM["density"], (0.05, 0.14, 0.14))
 ROD_LINK = box(ALUMINIUM["density"], (ROD, 0.02, 0.04), (ROD / 2, 0, 0))
 ROTOR = 2.0  # kg, of the motor behind its screw
 
-OUTPUT = (2, 3, 4)
-MOVES = (
-    ((0.0, 0.0, 0.08), (0.12, 0.0, 0.0)),
-    ((0.0, 0.0, -0.08), (0.0, 0.12, 0.0)),
-    ((0.0, 0.0, 0.04), (-0.10, -0.08, 0.0)),
+# the carriage along z; the rod along x2, on a hinge across the column's plane
+JOINTS = (
+    Joint(0, sigma=1, mu=1, **CARRIAGE, IA=ROTOR),
+    Joint(1, sigma=0, alpha=-np.pi / 2, **ROD_LINK),
 )
 
 
@@ -37,18 +34,10 @@ def corners() -> Array:
     return cut_triangle(PLATFORM_RADIUS)
 
 
-def links() -> tuple[Joint, ...]:
-    """The carriage along z; the rod along x2, on a hinge across the column's plane."""
-    return (
-        Joint(0, sigma=1, mu=1, **CARRIAGE, IA=ROTOR),
-        Joint(1, sigma=0, alpha=-np.pi / 2, **ROD_LINK),
-    )
-
-
 def leg(number: int) -> Leg:
     """One of three equal legs, its x inwards; the rod rises from its carriage."""
     rotation, origin = standing(BASE_RADIUS, THIRDS[number], turn=180.0)
-    return Leg(rotation, origin, links(), (Tip(2, (ROD, 0, 0), number),), posture=(0.3, -1.0))
+    return Leg(rotation, origin, JOINTS, (Tip(2, (ROD, 0, 0), number),), posture=(0.3, -1.0))
 
 
 def prs3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
@@ -59,7 +48,17 @@ def prs3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     """
     if platform is None:
         platform = plate(corners(), modes, damping_ratio, short_sides(corners()), **PLATE)
-    return Robot(tuple(leg(number) for number in range(3)), platform, home_pose=(HOME, np.eye(3)))
+    return Robot(tuple(map(leg, range(3))), platform, home_pose=(HOME, np.eye(3)))
 
 
-ENTRY = Entry("3-PRS", prs3, OUTPUT, MOVES, SOURCE)
+ENTRY = Entry(
+    "3-PRS",
+    prs3,
+    output=(2, 3, 4),
+    moves=(
+        ((0.0, 0.0, 0.08), (0.12, 0.0, 0.0)),
+        ((0.0, 0.0, -0.08), (0.0, 0.12, 0.0)),
+        ((0.0, 0.0, 0.04), (-0.10, -0.08, 0.0)),
+    ),
+    source="topology: Carretero, Podhorodeski, Nahon and Gosselin 2000; columns upright, parameters our own",
+)

@@ -14,8 +14,6 @@ from parflex.robots.links import box, tube
 from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import plate, ring
 
-SOURCE = "topology: Hexaglide, Honegger, Codourey and Burdet 1997; parameters our own"
-
 RAILS = (-0.45, -0.45, 0.0, 0.0, 0.45, 0.45)  # m: y of the rail of each leg
 END = 1.0  # m from the middle of a rail to its ends
 PLATFORM_RADIUS = 0.25  # m
@@ -28,10 +26,11 @@ PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
 CARRIAGE = box(ALUMINIUM["density"], (0.08, 0.04, 0.12))
 ROD_LINK = tube(CARBON["density"], 0.014, (0, 0, 0), (ROD, 0, 0), bore=0.012)
 
-OUTPUT = (0, 1, 2, 3, 4, 5)
-MOVES = (
-    ((0.15, -0.04, 0.05), (0.10, 0.05, -0.08)),
-    ((-0.15, 0.05, -0.05), (-0.08, 0.10, 0.10)),
+# the carriage along its rail, y1 upwards; the cross, of no mass; the rod along x3
+JOINTS = (
+    Joint(0, sigma=1, mu=1, gamma=np.pi / 2, alpha=np.pi / 2, **CARRIAGE),
+    Joint(1, sigma=0),
+    Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
 )
 
 
@@ -40,21 +39,12 @@ def corners() -> Array:
     return ring(PLATFORM_RADIUS, PLATFORM)
 
 
-def links() -> tuple[Joint, ...]:
-    """The carriage along its rail, y1 upwards; the cross, of no mass; the rod along x3."""
-    return (
-        Joint(0, sigma=1, mu=1, gamma=np.pi / 2, alpha=np.pi / 2, **CARRIAGE),
-        Joint(1, sigma=0),
-        Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
-    )
-
-
 def leg(number: int) -> Leg:
     """Every rail has a carriage from each end; the rod leans towards the other."""
     side = (-1) ** number
     rotation = rotation_about_z(np.asarray(np.pi * (number % 2)))
     tip = Tip(3, (ROD, 0, 0), CORNER[number])
-    return Leg(rotation, (-END * side, RAILS[number], 0.0), links(), (tip,), posture=(0.2, np.pi / 2, 0.8))
+    return Leg(rotation, (-END * side, RAILS[number], 0.0), JOINTS, (tip,), posture=(0.2, np.pi / 2, 0.8))
 
 
 def pus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
@@ -64,7 +54,16 @@ def pus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     own replaces the plate; it needs six attachments. Parameters are invented but realistic.
     """
     body = plate(corners(), modes, damping_ratio, **PLATE) if platform is None else platform
-    return Robot(tuple(leg(number) for number in range(6)), body, home_pose=(HOME, np.eye(3)))
+    return Robot(tuple(map(leg, range(6))), body, home_pose=(HOME, np.eye(3)))
 
 
-ENTRY = Entry("6-PUS", pus6, OUTPUT, MOVES, SOURCE)
+ENTRY = Entry(
+    "6-PUS",
+    pus6,
+    output=(0, 1, 2, 3, 4, 5),
+    moves=(
+        ((0.15, -0.04, 0.05), (0.10, 0.05, -0.08)),
+        ((-0.15, 0.05, -0.05), (-0.08, 0.10, 0.10)),
+    ),
+    source="topology: Hexaglide, Honegger, Codourey and Burdet 1997; parameters our own",
+)

@@ -13,8 +13,6 @@ from parflex.robots.links import tube
 from parflex.robots.materials import STEEL
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
-SOURCE = "topology: Hunt 1983; Lee and Shah 1988; parameters our own"
-
 BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
 HOME = (0.0, 0.0, 0.65)  # m
 PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
@@ -23,11 +21,10 @@ CYLINDER = tube(STEEL["density"], 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
 PISTON = tube(STEEL["density"], 0.012, (0, 0, -0.40), (0, 0, 0))
 ROTOR = 4.0  # kg, of the motor behind its screw
 
-OUTPUT = (2, 3, 4)
-MOVES = (
-    ((0.0, 0.0, 0.06), (0.12, 0.0, 0.0)),
-    ((0.0, 0.0, -0.05), (0.0, 0.12, 0.0)),
-    ((0.0, 0.0, 0.03), (-0.10, -0.08, 0.0)),
+# the cylinder on its hinge, which lies along the base circle; the piston, from its tip down
+JOINTS = (
+    Joint(0, sigma=0, alpha=-np.pi / 2, **CYLINDER),
+    Joint(1, sigma=1, mu=1, alpha=np.pi / 2, **PISTON, IA=ROTOR),
 )
 
 
@@ -36,18 +33,10 @@ def corners() -> Array:
     return cut_triangle(PLATFORM_RADIUS)
 
 
-def links() -> tuple[Joint, ...]:
-    """The cylinder on its hinge, which lies along the base circle; the piston, from its tip down."""
-    return (
-        Joint(0, sigma=0, alpha=-np.pi / 2, **CYLINDER),
-        Joint(1, sigma=1, mu=1, alpha=np.pi / 2, **PISTON, IA=ROTOR),
-    )
-
-
 def leg(number: int) -> Leg:
     """One of three equal legs."""
     rotation, origin = standing(BASE_RADIUS, THIRDS[number])
-    return Leg(rotation, origin, links(), (Tip(2, attachment=number),))
+    return Leg(rotation, origin, JOINTS, (Tip(2, attachment=number),))
 
 
 def rps3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
@@ -58,7 +47,17 @@ def rps3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     """
     if platform is None:
         platform = plate(corners(), modes, damping_ratio, short_sides(corners()), **PLATE)
-    return Robot(tuple(leg(number) for number in range(3)), platform, home_pose=(HOME, np.eye(3)))
+    return Robot(tuple(map(leg, range(3))), platform, home_pose=(HOME, np.eye(3)))
 
 
-ENTRY = Entry("3-RPS", rps3, OUTPUT, MOVES, SOURCE)
+ENTRY = Entry(
+    "3-RPS",
+    rps3,
+    output=(2, 3, 4),
+    moves=(
+        ((0.0, 0.0, 0.06), (0.12, 0.0, 0.0)),
+        ((0.0, 0.0, -0.05), (0.0, 0.12, 0.0)),
+        ((0.0, 0.0, 0.03), (-0.10, -0.08, 0.0)),
+    ),
+    source="topology: Hunt 1983; Lee and Shah 1988; parameters our own",
+)

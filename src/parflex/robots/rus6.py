@@ -13,8 +13,6 @@ from parflex.robots.links import together, tube
 from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import plate, ring, standing
 
-SOURCE = "topology: Hunt 1983; Pierrot, Dauchez and Fournier 1991 (Hexa); parameters our own"
-
 BASE_RADIUS = 0.5  # m
 BASE = (-28, 28, 92, 148, 212, 268)  # degrees: where the motors are
 PLATFORM_RADIUS = 0.3  # m
@@ -30,10 +28,11 @@ CRANK_LINK = together(
 ROD_LINK = tube(CARBON["density"], 0.012, (0, 0, 0), (ROD, 0, 0), bore=0.010)
 ROTOR = 0.02  # kg m², of the motor behind its gear
 
-OUTPUT = (0, 1, 2, 3, 4, 5)
-MOVES = (
-    ((0.04, -0.03, 0.05), (0.10, 0.05, -0.10)),
-    ((-0.04, 0.03, 0.01), (-0.08, 0.06, 0.08)),
+# the crank, about an axis level and radial; the cross, of no mass; the rod along x3
+JOINTS = (
+    Joint(0, sigma=0, mu=1, alpha=np.pi / 2, **CRANK_LINK, IA=ROTOR),
+    Joint(1, sigma=0, d=CRANK),
+    Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
 )
 
 
@@ -42,21 +41,12 @@ def corners() -> Array:
     return ring(PLATFORM_RADIUS, PLATFORM)
 
 
-def links() -> tuple[Joint, ...]:
-    """The crank, about an axis level and radial; the cross, of no mass; the rod along x3."""
-    return (
-        Joint(0, sigma=0, mu=1, alpha=np.pi / 2, **CRANK_LINK, IA=ROTOR),
-        Joint(1, sigma=0, d=CRANK),
-        Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
-    )
-
-
 def leg(number: int) -> Leg:
     """The crank points towards that of its neighbour; the rod rises and leans inwards."""
     side = (-1) ** number
     rotation, origin = standing(BASE_RADIUS, BASE[number], turn=90.0 * side)
     posture = (0.0, 1.9, -0.45 * side)
-    return Leg(rotation, origin, links(), (Tip(3, (ROD, 0, 0), number),), posture)
+    return Leg(rotation, origin, JOINTS, (Tip(3, (ROD, 0, 0), number),), posture)
 
 
 def rus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
@@ -66,7 +56,16 @@ def rus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: fl
     own replaces the plate; it needs six attachments. Parameters are invented but realistic.
     """
     body = plate(corners(), modes, damping_ratio, **PLATE) if platform is None else platform
-    return Robot(tuple(leg(number) for number in range(6)), body, home_pose=(HOME, np.eye(3)))
+    return Robot(tuple(map(leg, range(6))), body, home_pose=(HOME, np.eye(3)))
 
 
-ENTRY = Entry("6-RUS", rus6, OUTPUT, MOVES, SOURCE)
+ENTRY = Entry(
+    "6-RUS",
+    rus6,
+    output=(0, 1, 2, 3, 4, 5),
+    moves=(
+        ((0.04, -0.03, 0.05), (0.10, 0.05, -0.10)),
+        ((-0.04, 0.03, 0.01), (-0.08, 0.06, 0.08)),
+    ),
+    source="topology: Hunt 1983; Pierrot, Dauchez and Fournier 1991 (Hexa); parameters our own",
+)
