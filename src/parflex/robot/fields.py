@@ -6,12 +6,15 @@ them reads `described`: the checks, the tables of a chain, parameters, robot fil
 
 from collections.abc import Callable
 from dataclasses import MISSING, dataclass, field, fields
+from functools import partial
 from typing import Any
 
 import numpy as np
 
 from parflex.base.check import SYMMETRIC, Rule, exactly, finite, obeying, scalar
 from parflex.base.kinds import ByType, Kind
+
+_KNOWN: dict[type, dict[str, "Column"]] = {}  # by dataclass, looked up for every state that is made
 
 
 @dataclass(frozen=True)
@@ -33,13 +36,6 @@ class Column:
     parameter: bool = False
     alike: bool = True
     default: Any = None
-
-    def checked(self, name: str, value: Any) -> Any:
-        """The value as it is kept; raises InputError, with the name, for one that there cannot be."""
-        kept = self.form(name, value)
-        if self.rule is not None:
-            obeying(name, np.asarray(kept), self.rule)
-        return kept
 
 
 def about(form: Callable[[str, Any], Any], **known: Any) -> dict[str, Column]:
@@ -83,12 +79,12 @@ def array(shape: tuple[int, ...], kind: Kind, file: str, words: str, **known: An
 
 def exact(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
     """A check for arrays of this shape."""
-    return lambda name, value: exactly(name, value, shape)
+    return partial(exactly, shape=shape)
 
 
 def batched(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
     """A check for batches of arrays of this shape."""
-    return lambda name, value: finite(name, value, shape)
+    return partial(finite, shape=shape)
 
 
 def endless(name: str, value: Any) -> float:
@@ -99,7 +95,9 @@ def endless(name: str, value: Any) -> float:
 
 def described(kind: type) -> dict[str, Column]:
     """The columns of a dataclass by the names of its fields, in order."""
-    return {each.name: each.metadata["column"] for each in fields(kind) if "column" in each.metadata}
+    if kind not in _KNOWN:
+        _KNOWN[kind] = {x.name: x.metadata["column"] for x in fields(kind) if "column" in x.metadata}
+    return _KNOWN[kind]
 
 
 def check_fields(thing: Any) -> None:
@@ -107,6 +105,10 @@ def check_fields(thing: Any) -> None:
 
     Raises InputError, with the field's name, for a value that there cannot be.
     """
-    for name, column in described(type(thing)).items():
-        value = column.checked(f"{type(thing).__name__}.{name}", getattr(thing, name))
-        object.__setattr__(thing, name, value)
+    kind, given = type(thing), vars(thing)
+    for name, column in described(kind).items():
+        title = f"{kind.__name__}.{name}"
+        kept = column.form(title, given[name])
+        if column.rule is not None:
+            obeying(title, np.asarray(kept), column.rule)
+        object.__setattr__(thing, name, kept)
