@@ -3,32 +3,16 @@
 import signal
 import sys
 from collections.abc import Callable, Iterator
-from functools import lru_cache
 
 import numpy as np
 import pytest
 
 import parflex as pf
 from parflex.app import cli, paper
-from parflex.fe.plate import plate
 
 pytest_plugins = ["verification"]
 
 np.set_printoptions(threshold=20, edgeitems=2)  # what an assertion is told of, passed ones too
-
-
-@pytest.fixture(scope="session", autouse=True)
-def elements() -> Iterator[None]:
-    """The elements of a plate, most of the work at its modes, are made once for all robots that have it."""
-    make = plate.argyris
-
-    @lru_cache(maxsize=16)
-    def made(corners: tuple, refine: int):
-        return make(np.array(corners), refine)
-
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(plate, "argyris", lambda corners, refine: made(tuple(map(tuple, corners)), refine))
-        yield
 
 
 @pytest.fixture(scope="session")

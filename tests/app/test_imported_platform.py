@@ -15,13 +15,9 @@ pytest.importorskip("pyyeti", reason="pyYeti reads Nastran's files")
 SHAKE = 1.75  # s: half a second at rest, and the first move
 
 
-def quiet(words: str) -> None:
-    """Say nothing."""
-
-
 def nastran() -> pf.Modes:
     """MYSTRAN's nine lowest modes of the plate, held at its corners."""
-    modes = first(pf.fe.read_nastran(DATA / "hexQ8.OP2", DATA / "hexQ8.bdf", "SI", quiet), 9)
+    modes = first(pf.fe.read_nastran(DATA / "hexQ8.OP2", DATA / "hexQ8.bdf", "SI"), 9)
     nearest = [np.argmin(np.linalg.norm(modes.nodes - corner, axis=1)) for corner in CORNERS]
     return pf.fe.attached(modes, ids=[modes.ids[k] for k in nearest])
 
@@ -78,7 +74,7 @@ def test_trajectory_with_the_platform_of_calculix(own, tmp_path):
     """A solid shears, which a Kirchhoff plate does not: the corners give 0.7 % more on this mesh (1.2 % on
     the next finer one), and bend so much more in flight."""
     job = run(tmp_path, "modes", deck(*plate_mesh(3), "*FREQUENCY\n16"))
-    modes = first(pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI", quiet), 9)
+    modes = first(pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI"), 9)
     forces, deformation, soft = compared(pf.fe.attached(modes, points=CORNERS), own)
     assert 0.005 < soft < 0.01
     assert abs(deformation - soft) <= 0.005

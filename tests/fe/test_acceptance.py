@@ -7,7 +7,8 @@ from scipy.linalg import null_space
 import parflex as pf
 from imports import DATA
 from parflex.fe.body.attach import first
-from parflex.fe.imports.imported import inner, rigid_fields
+from parflex.fe.body.integrals import rigid_fields
+from parflex.fe.imports.imported import inner
 from parflex.fe.imports.nastran.bulk_data import read_bulk
 from parflex.fe.imports.nastran.op2 import read_op2
 from parflex.fe.imports.unit_systems import SYSTEMS, check_material, units_named
@@ -39,7 +40,7 @@ def read(tmp_path, plate):
     def make(**changes) -> pf.Modes:
         given = {name: value for name, value in (plain | changes).items() if value is not None}
         np.savez(tmp_path / "modes.npz", **given)
-        return pf.fe.read_arrays(tmp_path / "modes.npz", "SI", lambda words: None)
+        return pf.fe.read_arrays(tmp_path / "modes.npz", "SI")
 
     return make
 

@@ -9,8 +9,9 @@ from ccx import deck, needs_ccx, plate_mesh, run
 from paper_robot import PLATE, corners
 from parflex.fe.body.elements import ELEMENTS
 from parflex.fe.body.joints import places
-from parflex.fe.imports.calculix.calculix import FULL, REDUCED, degrees, triangle
+from parflex.fe.imports.calculix.calculix import FULL, REDUCED
 from parflex.fe.imports.calculix.deck import ABAQUS_ORDER, read_deck
+from parflex.fe.imports.calculix.storage import degrees, triangle
 
 pytestmark = needs_ccx
 
@@ -25,10 +26,6 @@ TYPES = {  # with which rules CalculiX integrates their masses
 }
 
 
-def quiet(words: str) -> None:
-    """Say nothing."""
-
-
 @pytest.fixture(scope="module")
 def plate(tmp_path_factory):
     """The paper's plate on 2,451 nodes, solved for modes and written as matrices; (frd, deck, job)."""
@@ -41,12 +38,12 @@ def plate(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def imported(plate) -> pf.Modes:
-    return pf.fe.read_calculix(plate[0], plate[1], "SI", quiet)
+    return pf.fe.read_calculix(plate[0], plate[1], "SI")
 
 
 @pytest.fixture(scope="module")
 def stored(plate) -> pf.fe.FreeBody:
-    return pf.fe.calculix_body(plate[2], plate[1], "SI", quiet)
+    return pf.fe.calculix_body(plate[2], plate[1], "SI")
 
 
 @pytest.mark.parametrize("kind", TYPES)
@@ -96,7 +93,7 @@ def test_matrices_make_the_same_body_by_matrix_market_and_npz(tmp_path, stored):
     np.savetxt(tmp_path / "nodes.txt", np.column_stack([np.arange(count) + 7, stored.nodes]), "%.17g")
     np.savetxt(tmp_path / "rows.txt", np.column_stack([shuffled // 3 + 7, shuffled % 3 + 1]), "%d")
     files = [tmp_path / name for name in ("k.mtx", "m.npz", "nodes.txt")]
-    found = pf.fe.read_matrices(*files, "SI", tmp_path / "rows.txt", quiet)
+    found = pf.fe.read_matrices(*files, "SI", tmp_path / "rows.txt")
     assert abs(found.stiffness - stored.stiffness).max() <= 1e-12 * abs(stored.stiffness).max()
     assert abs(found.mass - stored.mass).max() <= 1e-12 * abs(stored.mass).max()
 
@@ -124,7 +121,7 @@ def held_plate(tmp_path) -> pf.Modes:
     job = run(
         tmp_path, "held", deck(*plate_mesh(1), "*FREQUENCY\n12", extra="*BOUNDARY\n2,1,3\n3,1,3\n5,1,3")
     )
-    return pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI", quiet)
+    return pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI")
 
 
 def test_a_held_model_is_refused(tmp_path):
@@ -136,7 +133,7 @@ def test_held_matrices_are_refused(tmp_path):
     text = deck(*plate_mesh(1), "*FREQUENCY, SOLVER=MATRIXSTORAGE\n1", extra="*BOUNDARY\n2,1,3\n3,1,3")
     job = run(tmp_path, "held", text)
     with pytest.raises(pf.InputError, match="node 2|remove constraints|does not fit"):
-        pf.fe.calculix_body(job, job, "SI", quiet)
+        pf.fe.calculix_body(job, job, "SI")
 
 
 @pytest.mark.parametrize(
@@ -152,25 +149,25 @@ def test_held_matrices_are_refused(tmp_path):
 def test_decks_of_other_models(tmp_path, plate, change, words):
     (tmp_path / "other.inp").write_text(change(plate[1].read_text()))
     with pytest.raises(pf.InputError, match=words):
-        pf.fe.read_calculix(plate[0], tmp_path / "other.inp", "SI", quiet)
+        pf.fe.read_calculix(plate[0], tmp_path / "other.inp", "SI")
 
 
 @pytest.mark.parametrize("units", ["mm-tonne-s", "in-lbf", "mm-kg-ms"])
 def test_wrong_units(plate, units):
     with pytest.raises(pf.InputError, match='did you mean "SI"'):
-        pf.fe.read_calculix(plate[0], plate[1], units, quiet)
+        pf.fe.read_calculix(plate[0], plate[1], units)
     with pytest.raises(pf.InputError, match='did you mean "SI"'):
-        pf.fe.calculix_body(plate[2], plate[1], units, quiet)
+        pf.fe.calculix_body(plate[2], plate[1], units)
 
 
 def test_truncated_and_binary_results(tmp_path, plate):
     whole = plate[0].read_bytes()
     (tmp_path / "half.frd").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(pf.InputError, match="cut short|damaged"):
-        pf.fe.read_calculix(tmp_path / "half.frd", plate[1], "SI", quiet)
+        pf.fe.read_calculix(tmp_path / "half.frd", plate[1], "SI")
     job = run(tmp_path, "binary", deck(*plate_mesh(1), "*FREQUENCY\n9").replace("*NODE FILE", "*NODE OUTPUT"))
     with pytest.raises(pf.InputError, match="binary"):
-        pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI", quiet)
+        pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI")
 
 
 @pytest.fixture(scope="module")
@@ -227,6 +224,6 @@ def test_other_elements(tmp_path, kind, shape):
         )
         text = text.replace("*NODE FILE", "*NODE FILE, OUTPUT=3D")
     job = run(tmp_path, "plate", text)
-    report = pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI", quiet).report
+    report = pf.fe.read_calculix(job.with_suffix(".frd"), job, "SI").report
     assert report.body.mass == pytest.approx(PLATE["density"] * 0.6 * 0.5 * 0.02, rel=1e-5)
     assert max(report.orthonormality, report.S, report.beta) <= 5e-6

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from parflex.fe.body.elements import ELEMENTS, Elements, mass_matrix, surface
+from parflex.fe.body.elements import ELEMENTS, Elements, mass_matrix
+from parflex.fe.body.surface import surface
 
 SIZE = {"line2": 1, "tri3": 1 / 2, "tri6": 1 / 2, "quad4": 1, "quad8": 1, "tet4": 1 / 6, "tet10": 1 / 6,
         "wedge6": 1 / 2, "wedge15": 1 / 2, "hex8": 1, "hex20": 1}  # fmt: skip

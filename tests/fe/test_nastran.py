@@ -30,7 +30,7 @@ HEXAGON = (186.5524, 186.55243, 311.61548, 394.86853, 468.13437, 686.9625, 686.9
 
 
 def read(op2=OP2, bulk=BULK, units="SI") -> pf.Modes:
-    return pf.fe.read_nastran(op2=op2, bulk=bulk, units=units, say=lambda words: None)
+    return pf.fe.read_nastran(op2=op2, bulk=bulk, units=units)
 
 
 @pytest.fixture(scope="module")

@@ -7,7 +7,7 @@ import pytest
 
 import parflex as pf
 from paper_robot import PLATE, TABLE_2, corners
-from parflex.fe.plate.plate import unknowns
+from parflex.fe.plate.argyris import unknowns
 from parflex.mechanics.platform import body_energies
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,

@@ -8,14 +8,13 @@ from blocks import STEEL, box
 from paper_robot import corners
 from parflex.fe.body.response import static_response
 from parflex.fe.solid.recovery import nodal_fields, recover, von_mises
-from parflex.robot.modes import Solid
 from solid_plates import JOINTS, MATERIAL, RADIUS, modes, plate
 
 
 def test_uniform_strain_and_pure_bending():
     """Linear and quadratic displacements are in the elements: strains and stresses to round-off."""
     mesh = box((1.0, 0.2, 0.1), (4, 1, 1))
-    solid = Solid(mesh.elements, mesh.parts, (STEEL,))
+    solid = pf.fe.Solid(mesh.elements, mesh.parts, (STEEL,))
     lam, mu = STEEL.lame
     strain = np.array([[1.0, 0.3, -0.2], [0.3, -0.5, 0.4], [-0.2, 0.4, 0.8]]) * 1e-3
     _, found, stress = nodal_fields(mesh.nodes, solid, mesh.nodes @ strain)

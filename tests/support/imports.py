@@ -27,10 +27,10 @@ class Case(NamedTuple):
     spoilt: dict[str, Path]
     radius: float
 
-    def read(self, units: str = "SI", say=lambda words: None, **files: Path) -> pf.Modes:
+    def read(self, units: str = "SI", **files: Path) -> pf.Modes:
         """The first nine modes held at the corners."""
         given = self.files | files
-        return pf.fe.import_modes(self.program, given, units, 9, None, CORNERS, self.radius, say)
+        return pf.fe.import_modes(self.program, given, units, 9, None, CORNERS, self.radius)
 
 
 def nastran(folder: Path) -> Case:

@@ -44,4 +44,4 @@ def imported(
         raise InputError(f"--node is {', '.join(node)}; give node numbers, with commas for a patch") from None
     places = [group if len(group) > 1 else group[0] for group in ids]
     held = (places or None, joints or None, radius)
-    return import_modes(program or "", files, units, count, *held, say=lambda words: None)
+    return import_modes(program or "", files, units, count, *held)

@@ -204,13 +204,13 @@ def numbers(option: str, text: str, count: int) -> tuple[float, ...]:
 
 def report(found: Any, table_2: tuple[float, ...]) -> None:
     """Frequencies, notes, and the check report."""
-    from parflex.fe.imports.body_report import check_rows
+    from parflex.fe import check_rows
 
     console.print(frequency_table(found, table_2))
     for note in found.notes:
         console.print(f"[yellow]note[/] {escape(note)}")
     table = Table("check", "found", title=escape(found.source), title_justify="left")
-    for row in check_rows(found) if found.report is None else found.report.rows():
+    for row in check_rows(found):
         table.add_row(*map(escape, row))
     console.print(table)
 

@@ -1,17 +1,28 @@
 """Finite elements: where platforms get their modes."""
 
-from parflex.fe.body.accuracy import BasisError, with_mesh_error
+from parflex.fe.body.accuracy import BasisError
 from parflex.fe.body.attach import attached
-from parflex.fe.body.basis import Basis, FreeFree, FreeFreeWithAttachment
+from parflex.fe.body.basis import (
+    Basis,
+    ComputedModes,
+    FreeFree,
+    FreeFreeWithAttachment,
+    basis_error,
+    converged,
+)
+from parflex.fe.body.basis_report import check_rows
+from parflex.fe.body.check_report import CheckReport, MatrixReport, Report
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.material import Material
+from parflex.fe.body.material import Material, Solid
+from parflex.fe.body.mesh_error import with_mesh_error
 from parflex.fe.body.nodal import body_of_matrices
-from parflex.fe.imports.calculix.calculix import calculix_body, read_calculix
+from parflex.fe.imports.calculix.calculix import read_calculix
+from parflex.fe.imports.calculix.storage import calculix_body
+from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.importers import IMPORTERS, import_modes
 from parflex.fe.imports.matrices import read_matrices
 from parflex.fe.imports.modal_arrays import read_arrays
 from parflex.fe.imports.nastran.nastran import read_nastran
-from parflex.fe.imports.sources import mesh_from, modes
 from parflex.fe.modal_file import read_modes, write_modes
 from parflex.fe.plate.plate import plate_body, plate_modes
 from parflex.fe.solid.mesh import SolidMesh, solid_mesh
@@ -20,22 +31,32 @@ from parflex.fe.solid.netgen_mesh import Rib, Step, outline_mesh, step_mesh
 from parflex.fe.solid.recovery import Fields, recover
 from parflex.fe.solid.solid import solid_body
 from parflex.fe.solid.vtk_file import write_fields
+from parflex.fe.sources import mesh_from, modes
 
 __all__ = [
     "IMPORTERS",
     "Basis",
     "BasisError",
+    "CheckReport",
+    "ComputedModes",
     "Fields",
     "FreeBody",
     "FreeFree",
     "FreeFreeWithAttachment",
+    "Importer",
     "Material",
+    "MatrixReport",
+    "Report",
     "Rib",
+    "Solid",
     "SolidMesh",
     "Step",
     "attached",
+    "basis_error",
     "body_of_matrices",
     "calculix_body",
+    "check_rows",
+    "converged",
     "import_modes",
     "mesh_from",
     "modes",

@@ -17,8 +17,10 @@ from parflex.base.check import of_type
 from parflex.base.errors import InputError
 from parflex.base.version import __version__
 from parflex.base.writing import replacing
+from parflex.fe.body.basis import ComputedModes
+from parflex.fe.body.material import Material, Solid
 from parflex.robot.body import FlexibleBody
-from parflex.robot.modes import Modes, Solid
+from parflex.robot.modes import Modes
 from parflex.robot.moments import Moments
 
 FORMAT = "parflex-modes-1"
@@ -26,7 +28,7 @@ FORMAT = "parflex-modes-1"
 MODE, OTHER, NODE, AXIS, AXIS_2 = "mode", "other_mode", "node", "axis", "other_axis"
 ELEMENT = "element"
 
-# what a body holds: dimensions, units, meaning
+# values of a body: dimensions, units, meaning
 MOMENTS = {
     "m": ((), "kg", "mass"),
     "MS0": ((AXIS,), "kg m", "integral of r"),
@@ -44,7 +46,7 @@ FIELDS = {
     "attachments": (("attachment",), "1", "node numbers from 0 that legs may hold"),
     "triangles": (("triangle", "corner"), "1", "surface, node numbers from 0"),
 }
-# what modes hold beside; none of it is needed for a platform
+# values that modes hold beside a body; none of them is needed for a platform
 MODAL = {
     "frequencies": ((MODE,), "rad s-1", "natural frequencies, or of a basis its Ritz values"),
     "frequency_error": ((MODE,), "1", "change from a coarser mesh, where it is known"),
@@ -74,7 +76,7 @@ def write_modes(
     return Path(path)
 
 
-def read_modes(path: str | os.PathLike[str]) -> Modes:
+def read_modes(path: str | os.PathLike[str]) -> ComputedModes:
     """The modes of a modal file, in the platform's frame.
 
     Raises InputError where the file is missing, truncated, altered, or holds something else.
@@ -86,7 +88,7 @@ def read_modes(path: str | os.PathLike[str]) -> Modes:
     if frequencies is None:
         frequencies = np.sqrt(body.stiffness / np.diagonal(body.m_ee))
     unknown = np.full(len(frequencies), np.nan)
-    return Modes(
+    return ComputedModes(
         nodes=body.nodes,
         triangles=np.zeros((0, 3), dtype=np.int64) if body.triangles is None else body.triangles,
         shapes=body.shapes,
@@ -103,7 +105,7 @@ def read_modes(path: str | os.PathLike[str]) -> Modes:
 
 
 def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> None:
-    """Write a body, and what its modes hold beside, whole or not at all.
+    """Write a body, and the values that its modes hold beside it, whole or not at all.
 
     Raises InputError where it cannot be written.
     """
@@ -128,17 +130,17 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
 
 
 def modal_values(modes: Modes) -> dict[str, Any]:
-    """What modes hold beside a body."""
-    solid = modes.solid
-    materials = None if solid is None else [(m.young, m.poisson, m.density) for m in solid.materials]
-    return {
+    """The values that modes hold beside a body, None for those that they do not have."""
+    found = dict.fromkeys(MODAL) | {
         "frequencies": modes.frequencies,
         "frequency_error": modes.frequency_error,
         "tool": modes.tool,
-        "elements": None if solid is None else solid.elements,
-        "parts": None if solid is None else solid.parts,
-        "materials": materials,
     }
+    if isinstance(modes, ComputedModes) and modes.solid is not None:
+        elements, parts, materials = modes.solid
+        made_of = [(m.young, m.poisson, m.density) for m in materials]
+        found |= {"elements": elements, "parts": parts, "materials": made_of}
+    return found
 
 
 def load_body(path: Path) -> FlexibleBody:
@@ -199,16 +201,13 @@ def body_of(found: dict[str, Any]) -> FlexibleBody:
 
 
 def solid_of(found: dict[str, Any]) -> Solid | None:
-    """Elements and materials, where there are any."""
+    """The elements and materials, where there are any."""
     if found["elements"] is None:
         return None
-    from parflex.fe.body.material import Material
-
-    return Solid(
-        found["elements"], found["parts"], tuple(Material(*map(float, row)) for row in found["materials"])
-    )
+    materials = tuple(Material(*map(float, row)) for row in found["materials"])
+    return Solid(found["elements"], found["parts"], materials)
 
 
 def array_of(name: str, value: Any) -> Array:
-    """Floats, or whole numbers for what counts nodes."""
+    """The value as floats, or as whole numbers where it counts nodes."""
     return np.asarray(value, dtype=np.int64 if name in WHOLE else float)

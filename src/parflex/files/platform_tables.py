@@ -65,12 +65,12 @@ def solid(table: SolidTable, folder: Path) -> FlexibleBody:
 
 
 def imported(table: ImportedTable, folder: Path) -> FlexibleBody:
-    """A body of another program's files, held at nodes or points; the check report is not printed."""
+    """A body of another program's files, held at nodes or points."""
     from parflex.fe import import_modes
 
     files = {name: folder / path for name, path in table.files.items()}
     places = (table.ids, table.points, table.radius)
-    modes = import_modes(table.program, files, table.units, table.modes, *places, say=lambda words: None)
+    modes = import_modes(table.program, files, table.units, table.modes, *places)
     return FlexibleBody.from_modes(modes, None, table.origin, table.damping_ratio)
 
 

@@ -1,7 +1,8 @@
-"""Where legs hold an imported platform: nodes by id, points, or patches of nodes that move as one."""
+"""The places where legs hold an imported platform: nodes by id, points, or patches of nodes."""
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -9,18 +10,21 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
+from parflex.fe.body.basis import without_reduction
 from parflex.fe.body.canonical import cut_pair
 from parflex.fe.body.joints import FEWEST, mean_motion, nodes_within, unshared
 from parflex.robot.attachments import attachment_nodes
 from parflex.robot.modes import Modes
 
+Held = TypeVar("Held", bound=Modes)
+
 
 def attached(
-    modes: Modes,
+    modes: Held,
     ids: Sequence[int | Sequence[int]] | None = None,
     points: ArrayLike | None = None,
     radius: float | None = None,
-) -> Modes:
+) -> Held:
     """The modes, held at places of a body: `FlexibleBody.from_modes(attached(…))` needs no more.
 
     ids are the other program's node numbers, or a list of them for a patch; or points (k, 3) m are
@@ -68,7 +72,7 @@ def near(modes: Modes, wanted: Array, radius: float | None) -> list[Array]:
     return nodes_within(modes.nodes, modes.triangles, names, wanted, positive("radius", radius))
 
 
-def with_places(modes: Modes, groups: list[Array], centres: list[Array]) -> Modes:
+def with_places(modes: Held, groups: list[Array], centres: list[Array]) -> Held:
     """The modes with a node more for each patch, held at its places."""
     nodes, shapes = [modes.nodes], [modes.shapes]
     turns = [np.zeros_like(modes.shapes) if modes.rotations is None else modes.rotations]
@@ -88,17 +92,16 @@ def with_places(modes: Modes, groups: list[Array], centres: list[Array]) -> Mode
         None if modes.rotations is None and free == len(modes.nodes) else np.concatenate(turns, axis=1)
     )
     return replace(
-        modes,
+        without_reduction(modes),
         nodes=np.concatenate(nodes),
         shapes=np.concatenate(shapes, axis=1),
         rotations=rotations,
         corners=tuple(corners),
-        reduction=None,
         ids=(*modes.ids, *[0] * (free - len(modes.nodes))) if modes.ids else (),
     )
 
 
-def first(modes: Modes, n: int | None) -> Modes:
+def first(modes: Held, n: int | None) -> Held:
     """The n lowest modes, all for None; a note where they cut a degenerate pair in two.
 
     Raises InputError where there are fewer.
@@ -111,12 +114,11 @@ def first(modes: Modes, n: int | None) -> Modes:
         )
     moments = modes.moments
     return replace(
-        modes,
+        without_reduction(modes),
         shapes=modes.shapes[:n],
         rotations=None if modes.rotations is None else modes.rotations[:n],
         frequencies=modes.frequencies[:n],
         frequency_error=modes.frequency_error[:n],
         moments=moments._replace(S=moments.S[:, :n], P1=moments.P1[:n], P2=moments.P2[:n, :n]),
         notes=(*modes.notes, *cut_pair(modes.frequencies, n)),
-        reduction=None,
     )

@@ -6,29 +6,36 @@ the body's static response to forces at its joints: residual attachment modes un
     u_i = (K⁺ − Φ ω⁻² Φᵀ) f_i,      K⁺ f: deformation of the free body under f and its inertia forces
 
 (Craig 1981, ch. 19; Rixen 2004). Both are made M-orthonormal with K diagonal, without momentum.
+
+A basis makes modes, and modes find a better basis: so both are here.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
-from parflex.base.check import integer, scalar
+from parflex.base.check import integer, of_type, scalar
 from parflex.base.errors import InputError
-from parflex.fe.body.canonical import canonical, cut_pair
+from parflex.fe.body.accuracy import BasisError, error_of, gram_of
+from parflex.fe.body.canonical import cut_pair
+from parflex.fe.body.check_report import Report
+from parflex.fe.body.columns import independent, left_out, orthonormal
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.integrals import rigid_momentum
+from parflex.fe.body.integrals import by_node
 from parflex.fe.body.joints import Place, places
+from parflex.fe.body.material import Solid
+from parflex.fe.body.pinned import truth_of
 from parflex.fe.body.response import static_response
+from parflex.fe.body.search import smallest
 from parflex.robot.modes import Modes
-from parflex.robot.moments import shifted
 
 NEGLIGIBLE = 1e-3  # compliance of a direction, of the largest
-DEPENDENT = 1e-8  # modal mass that is left of a vector beside the others
 
 
 class Columns(NamedTuple):
@@ -39,7 +46,7 @@ class Columns(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """A body, its places, and the vectors (n, N) that its motion was reduced to."""
+    """A body, its places, the vectors (n, N) that its motion was reduced to, and the basis of them."""
 
     body: FreeBody
     held: tuple[Place, ...]
@@ -47,9 +54,31 @@ class Reduction(NamedTuple):
     basis: "Basis"
 
 
+@dataclass(frozen=True, eq=False, repr=False)
+class ComputedModes(Modes):
+    """Modes with what is known of their origin.
+
+    `report` is the check report of imported ones; `solid` are elements and materials, for stresses;
+    `reduction` is the model that the modes were computed from, None where they were read or imported.
+    """
+
+    report: Report | None = None
+    solid: Solid | None = None
+    reduction: Reduction | None = None
+
+    @cached_property
+    def error(self) -> BasisError:
+        """The errors of the basis; see `basis_error`."""
+        return basis_error(self)
+
+    def converged(self, tolerance: float = 0.01, up_to: float | None = None) -> "ComputedModes":
+        """The modes of the smallest basis that is right to a tolerance; see `converged`."""
+        return converged(self, tolerance, up_to)
+
+
 @dataclass(frozen=True, eq=False)
 class Basis(ABC):
-    """What is kept of a body's elastic motion.
+    """A choice of what is kept of a body's elastic motion.
 
     n free–free modes. points are the joints, node numbers or (k, 3) m, by default the body's corners;
     tool is one more place, where a wrench may act; on solids each is the patch of surface
@@ -72,7 +101,7 @@ class Basis(ABC):
     def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
         """The elastic vectors, in any order and scale."""
 
-    def modes(self, body: FreeBody) -> Modes:
+    def modes(self, body: FreeBody) -> ComputedModes:
         """The modes of a body in this basis, attached at its places.
 
         Raises InputError for places that are off the body or share nodes, for a body that is not free,
@@ -113,55 +142,52 @@ class FreeFreeWithAttachment(Basis):
         return Columns(np.hstack([vectors, residual[:, kept]]), left_out(loads.names, kept))
 
 
-def left_out(names: tuple[str, ...], kept: Array) -> tuple[str, ...]:
-    """A note that names the loads (place, direction) without an attachment mode."""
-    by_direction: dict[str, list[str]] = {}
-    for name, keep in zip(names, kept, strict=True):
-        place, _, direction = name.partition(" along ")
-        if not keep:
-            by_direction.setdefault(direction, []).append(place)
-    words = [f"{', '.join(places)} along {direction}" for direction, places in by_direction.items()]
-    return (f"no attachment modes, since too stiff: {'; '.join(words)}",) if words else ()
+def reduction_of(modes: Modes) -> Reduction:
+    """The model that modes were computed from. Raises InputError where it is not at hand."""
+    of_type("modes", modes, Modes)
+    found = modes.reduction if isinstance(modes, ComputedModes) else None
+    if found is None:
+        raise InputError(
+            "the model of these modes is not at hand: they were read from a file, or imported; compute "
+            "them with a basis of pf.fe from the body itself"
+        )
+    return found
 
 
-def independent(body: FreeBody, vectors: Array, kept: Array) -> Array:
-    """Which of the vectors kept add something to those before them; (p,) bool."""
-    basis = np.zeros((body.unknowns, 0))
-    out = kept.copy()
-    for column in np.flatnonzero(kept):
-        v = vectors[:, column] / np.sqrt(vectors[:, column] @ (body.mass @ vectors[:, column]))
-        for _ in range(2):
-            v = v - basis @ (basis.T @ (body.mass @ v))
-        left = float(v @ (body.mass @ v))
-        if left < DEPENDENT:
-            out[column] = False
-        else:
-            basis = np.column_stack([basis, v / np.sqrt(left)])
-    return out
+def without_reduction(modes: Any) -> Any:
+    """Modes that are to be changed, so that they no longer are those of their model."""
+    return replace(modes, reduction=None) if isinstance(modes, ComputedModes) else modes
 
 
-def orthonormal(body: FreeBody, vectors: Array, held: tuple[Place, ...]) -> Array:
-    """The same space, with m_ee = 1, K diagonal and ascending, S = β = 0, and canonical signs."""
-    vectors = vectors / np.sqrt(np.sum(vectors * (body.mass @ vectors), axis=0))
-    for _ in range(2):
-        vectors = without_momentum(body, vectors)
-        modal = np.trace(body.moments(vectors).P2, axis1=-2, axis2=-1)
-        vectors = vectors @ np.linalg.inv(np.linalg.cholesky(modal)).T
-    squares, turn = np.linalg.eigh(vectors.T @ (body.stiffness @ vectors))
-    vectors = vectors @ turn
-    deflection = np.vstack([*(place.displacement @ vectors for place in held), body.displacement @ vectors])
-    return canonical(vectors, np.sqrt(squares), deflection, 3 * len(held))
+def basis_error(modes: Modes, up_to: float | None = None) -> BasisError:
+    """The errors of the basis against the full model.
+
+    They are those of the static compliance at joints and tool, and of the frequencies of the body pinned
+    at its joints, up to `up_to` rad/s, by default the first five.
+
+    Raises InputError where the model is not at hand.
+    """
+    body, held, vectors, basis = reduction_of(modes)
+    truth = truth_of(body, held, basis.negligible, up_to)
+    return error_of(body, held, truth, gram_of(body, vectors, truth.static))
 
 
-def without_momentum(body: FreeBody, vectors: Array) -> Array:
-    """Columns less the rigid motion that carries their momentum, measured by the body's integrals."""
-    at = body.can_move
-    found = body.moments(vectors)
-    momentum = rigid_momentum(shifted(found, found.MS0 / found.m))[at]
-    return vectors - body.rigid[:, at] @ np.linalg.solve(body.rigid_inertia, momentum)
+def converged(modes: Modes, tolerance: float = 0.01, up_to: float | None = None) -> ComputedModes:
+    """The modes of the smallest basis of free–free and attachment modes that is right to a tolerance.
+
+    So much may the frequencies of the body pinned at its joints lie above those of the full model, up to
+    `up_to` rad/s, by default the first five, and its static compliance at joints and tool differ.
+
+    Raises InputError where the model is not at hand, and NotConverged where no basis of reasonable size
+    is that good.
+    """
+    body, held, _, basis = reduction_of(modes)
+    n, attachment, negligible = smallest(body, held, tolerance, up_to)
+    kind = FreeFreeWithAttachment if attachment else FreeFree
+    return kind(n, basis.points, basis.tool, basis.radius, negligible).modes(body)
 
 
-def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
+def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> ComputedModes:
     """Shapes at the nodes and at the places, frequencies, integrals."""
     body, held, vectors, basis = reduction
     tool = basis.tool is not None
@@ -170,7 +196,7 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
     rotations = by_node(np.vstack([body.rotation @ vectors, *(p.rotation @ vectors for p in extra)]))
     numbers = place_numbers(body, held)
     squares = np.sum(vectors * (body.stiffness @ vectors), axis=0)
-    return Modes(
+    return ComputedModes(
         nodes=np.vstack([body.nodes, *(p.point[None] for p in extra)]),
         triangles=body.triangles,
         shapes=shapes,
@@ -182,6 +208,7 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> Modes:
         source=body.source,
         notes=(*body.notes, *notes),
         tool=numbers[-1] if tool else None,
+        report=body.report,
         solid=body.solid,
         reduction=reduction,
     )
@@ -194,8 +221,3 @@ def place_numbers(body: FreeBody, held: tuple[Place, ...]) -> tuple[int, ...]:
         own.append(free if place.node is None else place.node)
         free += place.node is None
     return tuple(own)
-
-
-def by_node(rows: Array) -> Array:
-    """(3K, N) as (N, K, 3)."""
-    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], len(rows) // 3, 3))

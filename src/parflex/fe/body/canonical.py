@@ -37,7 +37,7 @@ def clusters(frequencies: Array) -> list[tuple[int, int]]:
 
 
 def close(frequencies: Array, i: int, gap: float = DEGENERATE) -> bool:
-    """Whether mode i and the one before it count as degenerate."""
+    """True where mode i and the one before it count as degenerate."""
     return bool(frequencies[i] - frequencies[i - 1] < gap * frequencies[i])
 
 

@@ -1,13 +1,14 @@
-"""Isoparametric elements of other programs: what they weigh, and their surface.
+"""Isoparametric elements: their shape functions and masses.
 
 m_ij = ∫ N_i N_j dm, over a volume, a surface or a line; nodes in the order of Nastran, which the frd
-files of CalculiX share.
+files of CalculiX share; of tetrahedra also VTK, meshio and scikit-fem.
 """
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 from scipy import sparse
@@ -15,7 +16,7 @@ from skfem.quadrature import get_quadrature
 from skfem.refdom import Refdom, RefHex, RefLine, RefQuad, RefTet, RefTri, RefWedge
 
 from parflex.base.array import Array
-from parflex.fe.body.free_body import Sparse
+from parflex.fe.body.integrals import Sparse
 
 BATCH = 2000  # elements integrated at once
 EXACT = 8  # degree that integrates N_i N_j of all of them, where edges are straight
@@ -54,13 +55,20 @@ class Element:
         around = [zip(face, (*face[1:], face[0]), strict=True) for face in self.faces]
         return tuple(tuple(place[frozenset(edge)] for edge in edges if place) for edges in around)
 
+    @cached_property
+    def to_shapes(self) -> Array:
+        """The coefficients (n, n) of the shape functions in the monomials."""
+        return np.linalg.inv(monomials(self.powers, self.points.T)).T
+
+    def at(self, X: Array) -> tuple[Array, Array]:
+        """N (n, Q) and ∂N/∂ξ (n, d, Q) at reference coordinates (d, Q)."""
+        slopes = [self.to_shapes @ monomials(self.powers, X, axis).T for axis in range(len(X))]
+        return self.to_shapes @ monomials(self.powers, X).T, np.stack(slopes, axis=1)
+
     def tabulated(self, degree: int) -> tuple[Array, Array, Array]:
         """N (n, Q), ∂N/∂ξ (n, d, Q) and weights (Q,) at the points of a rule of quadrature."""
-        at, weights = quadrature(self.reference, degree)
-        to_shapes = np.linalg.inv(monomials(self.powers, self.points.T)).T
-        d = len(at)
-        slopes = [to_shapes @ monomials(self.powers, at, axis).T for axis in range(d)]
-        return to_shapes @ monomials(self.powers, at).T, np.stack(slopes, axis=1), weights
+        X, weights = quadrature(self.reference, degree)
+        return (*self.at(X), weights)
 
     def masses(self, places: Array, density: Array, degree: int = EXACT) -> Array:
         """∫ N_i N_j dm (E, n, n) of elements at places (E, n, 3), of a density (E,) per measure."""
@@ -68,10 +76,21 @@ class Element:
         blocks = []
         for first in range(0, len(places), BATCH):
             some = slice(first, first + BATCH)
-            J = np.einsum("idq,eia->eqad", slopes, places[some])
+            J = jacobians(places[some], slopes)
             measure = np.sqrt(np.maximum(np.linalg.det(np.swapaxes(J, -1, -2) @ J), 0.0))
             blocks.append(np.einsum("iq,jq,eq,e->eij", N, N, measure * weights, density[some], optimize=True))
         return np.concatenate(blocks)
+
+
+def jacobians(x: Array, slopes: Array) -> Array:
+    """∂x/∂ξ (E, Q, 3, d) of elements with nodes at x (E, n, 3), of slopes ∂N/∂ξ (n, d, Q)."""
+    return np.einsum("eia,idq->eqad", x, slopes, optimize=True)
+
+
+def gradients(x: Array, slopes: Array) -> tuple[Array, Array]:
+    """∇N (E, Q, n, 3) and det ∂x/∂ξ (E, Q) of solid elements with nodes at x (E, n, 3)."""
+    J = jacobians(x, slopes)
+    return np.einsum("idq,eqda->eqia", slopes, np.linalg.inv(J), optimize=True), np.linalg.det(J)
 
 
 def quadrature(reference: type[Refdom], degree: int) -> tuple[Array, Array]:
@@ -142,8 +161,10 @@ ELEMENTS = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class Elements:
+TET10 = ELEMENTS["tet10"]
+
+
+class Elements(NamedTuple):
     """Elements of one kind: node numbers (E, n) from 0, and density (E,) per measure, SI."""
 
     kind: str
@@ -154,7 +175,7 @@ class Elements:
 def mass_matrix(
     places: Array, parts: Iterable[Elements], lumped: bool = False, degrees: Mapping[str, int] | None = None
 ) -> Sparse:
-    """m (K, K) of nodes (K, 3): consistent, or its rows summed on the diagonal.
+    """The matrix m (K, K) of nodes (K, 3): consistent, or its rows summed on the diagonal.
 
     degrees are those of the quadrature of each kind of element, by default exact.
     """
@@ -162,43 +183,12 @@ def mass_matrix(
     for part in parts:
         degree = EXACT if degrees is None else degrees[part.kind]
         blocks = ELEMENTS[part.kind].masses(places[part.nodes], part.density, degree)
-        n = part.nodes.shape[1]
-        rows, columns = np.repeat(part.nodes, n, axis=1), np.tile(part.nodes, (1, n))
-        flat = (blocks.ravel(), (rows.ravel(), columns.ravel()))
-        total = total + sparse.coo_array(flat, shape=total.shape).tocsr()
+        total = total + gathered(part.nodes, blocks, len(places))
     return sparse.diags_array(np.asarray(total.sum(axis=1)).ravel()).tocsr() if lumped else total
 
 
-def surface(parts: Iterable[Elements]) -> Array:
-    """Triangles (T, 3) of shells, and of the faces of solids that have no neighbour."""
-    found, faces = [np.zeros((0, 3), dtype=int)], []
-    for part in parts:
-        element = ELEMENTS[part.kind]
-        for corners, middles in zip(element.faces, element.sides, strict=True):
-            face = part.nodes[:, [*corners, *middles]]
-            if len(element.faces) == 1:
-                found.append(triangles(face, len(corners)))
-            else:
-                faces.append((face, len(corners)))
-    lone = without_neighbour([face[:, :count] for face, count in faces])
-    found += [triangles(face[alone], count) for (face, count), alone in zip(faces, lone, strict=True)]
-    return np.concatenate(found)
-
-
-def without_neighbour(faces: list[Array]) -> list[Array]:
-    """Which faces (F, 3 or 4) of each group share their corners with no other; (F,) bool each."""
-    if not faces:
-        return []
-    keys = [np.sort(np.pad(face, ((0, 0), (0, 4 - face.shape[1])), constant_values=-1)) for face in faces]
-    _, inverse, count = np.unique(np.concatenate(keys), axis=0, return_inverse=True, return_counts=True)
-    return np.split((count == 1)[inverse.ravel()], np.cumsum([len(face) for face in faces])[:-1])
-
-
-def triangles(face: Array, corners: int) -> Array:
-    """Faces (F, 3 or 4 corners, then as many middles or none) cut into triangles."""
-    middles = np.arange(corners, face.shape[1])
-    if len(middles) == 0:
-        return np.concatenate([face[:, [0, k, k + 1]] for k in range(1, corners - 1)])
-    tips = [(middles[k - 1], k, middles[k]) for k in range(corners)]
-    inner = [(middles[0], middles[k], middles[k + 1]) for k in range(1, corners - 1)]
-    return np.concatenate([face[:, list(triangle)] for triangle in (*tips, *inner)])
+def gathered(rows: Array, blocks: Array, count: int) -> Sparse:
+    """The sparse sum (count, count) of element matrices (E, k, k) over their rows (E, k)."""
+    k = rows.shape[1]
+    i, j = np.repeat(rows, k, axis=1).ravel(), np.tile(rows, (1, k)).ravel()
+    return sparse.coo_array((blocks.ravel(), (i, j)), shape=(count, count)).tocsr()

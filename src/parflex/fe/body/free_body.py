@@ -5,23 +5,24 @@ bases of `basis.py` make modes of it.
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
-from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from parflex.base.array import Array
+from parflex.base.cache import key_of
 from parflex.base.errors import InputError, NotConverged
 from parflex.base.progress import waiting
-from parflex.fe.body.keep import SMALL, kept
-from parflex.robot.modes import Solid
+from parflex.fe.body.check_report import Report
+from parflex.fe.body.integrals import Sparse
+from parflex.fe.body.keep import Memory, kept
+from parflex.fe.body.material import Solid
 from parflex.robot.moments import Moments
 
-Sparse = Any  # scipy.sparse array or matrix
-
+SMALL = 3000  # unknowns below which computing is quicker than reading from the cache folder
 RIGID = 1e-4  # ω² of a rigid motion against the first elastic one, at most
 ENOUGH = 1e-9  # change at which a refinement has converged by far: each is a small part of the last
 ROUNDS = 40  # of it, at most
@@ -40,7 +41,7 @@ class FreeBody:
     gives the inertia integrals of columns of unknowns (n, N), consistent with `mass`. `shift` s⁻²,
     well below the lowest elastic ω² if it can, makes K + shift M definite. `triangles` (T, 3) are
     a surface; `corners` are the nodes held by default. `solid`, its elements and materials, is
-    kept for stresses.
+    kept for stresses; `report` is the check report of imported matrices.
     """
 
     nodes: Array
@@ -57,26 +58,34 @@ class FreeBody:
     source: str = ""
     notes: tuple[str, ...] = ()
     solid: Solid | None = None
+    report: Report | None = None
+    memory: Memory = field(default_factory=Memory, init=False, repr=False)
 
     @property
     def unknowns(self) -> int:
-        """n."""
+        """The number n of unknowns."""
         return int(self.stiffness.shape[0])
 
     @cached_property
     def can_move(self) -> Array:
-        """Which of the six rigid motions the unknowns can express, (6,) bool."""
+        """The rigid motions, of six, that the unknowns can express, (6,) bool."""
         return np.any(self.rigid != 0.0, axis=0)
 
     @cached_property
     def rigid_inertia(self) -> Array:
-        """Rᵀ M R over the motions it can make."""
+        """Rᵀ M R over the motions that the body can make."""
         R = self.rigid[:, self.can_move]
         return np.asarray(R.T @ (self.mass @ R))
 
     @cached_property
+    def rigid_squares(self) -> Array:
+        """The ω² of the motions that the body can make, which are zero but for round-off."""
+        R = self.rigid[:, self.can_move]
+        return np.asarray(np.sum(R * (self.stiffness @ R), axis=0) / np.sum(R * (self.mass @ R), axis=0))
+
+    @cached_property
     def factor(self) -> Callable[[Array], Array]:
-        """(K + shift M)⁻¹, of columns."""
+        """The function that applies (K + shift M)⁻¹ to columns."""
         options = {"SymmetricMode": True}
         matrix = (self.stiffness + self.shift * self.mass).tocsc()
         with waiting(f"factorising {self.unknowns} unknowns"):
@@ -99,15 +108,19 @@ class FreeBody:
         Raises NotConverged where the refinement, by which the shift is undone, does not end.
         """
         given = np.asarray(load, dtype=float)
-        return self.kept(("static", given), lambda: [self._flexed(self.relieved(given))])[0]
+        return self.once(("static", given), lambda: [self._flexed(self.relieved(given))])[0]
+
+    def once(self, parts: tuple[object, ...], compute: Callable[[], list[Array]]) -> list[Array]:
+        """Arrays that the body and some parts determine, computed when they are first asked for."""
+        return self.memory.recall(key_of(*parts), lambda: self.kept(parts, compute))
 
     def kept(self, parts: tuple[object, ...], compute: Callable[[], list[Array]]) -> list[Array]:
-        """Arrays that the body and some parts determine: from the cache where computing takes long."""
+        """The same from the cache folder where computing takes long."""
         return kept((self.digest, *parts), compute) if self.unknowns > SMALL else compute()
 
     @cached_property
     def digest(self) -> tuple[Array, ...]:
-        """What K and M are told from others by."""
+        """The checksums that tell K and M from others."""
         matrices = [matrix.tocsr() for matrix in (self.stiffness, self.mass)]
         held = [getattr(matrix, name) for matrix in matrices for name in ("data", "indices", "indptr")]
         return tuple(np.frombuffer(sha256(array.tobytes()).digest(), dtype=np.uint8) for array in held)
@@ -148,10 +161,12 @@ class FreeBody:
 
     def _lowest(self, count: int) -> tuple[Array, Array]:
         """The lowest eigenpairs, rigid ones included; the largest set computed is kept."""
-        known = self.__dict__.get("_pairs")
-        if known is None or len(known[0]) < count:
-            known = self.__dict__["_pairs"] = self.kept(("modes", count), lambda: self._eigenpairs(count))
-        return known[0][:count], known[1][:, :count]
+        values, vectors = self.memory.recall(
+            "modes",
+            lambda: self.kept(("modes", count), lambda: self._eigenpairs(count)),
+            enough=lambda pairs: len(pairs[0]) >= count,
+        )
+        return values[:count], vectors[:, :count]
 
     def _eigenpairs(self, count: int) -> list[Array]:
         n = self.unknowns

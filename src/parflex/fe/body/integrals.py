@@ -1,16 +1,57 @@
-"""Inertia integrals of bodies whose unknowns are the nodal displacements."""
+"""Inertia integrals of bodies whose unknowns are the nodal displacements, and the rigid bodies they make."""
+
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array
-from parflex.fe.body.free_body import Sparse
+from parflex.base.array import Array, outer
+from parflex.base.errors import InputError
 from parflex.robot.moments import Moments
+
+Sparse = Any  # scipy.sparse array or matrix
+
+
+class RigidBody(NamedTuple):
+    """Mass kg, centre of mass (3,) m, inertia about it (3, 3) kg m²."""
+
+    mass: float
+    com: Array
+    inertia: Array
+
+
+def rigid_body(m: float, MS0: Array, inertia: Array) -> RigidBody:
+    """The rigid body of mass m kg, first moment MS0 (3,) kg m, and inertia about the origin (3, 3) kg m².
+
+    Raises InputError for a mass that is not positive.
+    """
+    if not (np.isfinite(m) and np.all(np.isfinite(inertia)) and m > 0):
+        raise InputError(f"mass is {m:.4g} kg; a platform needs a positive mass")
+    com = MS0 / m
+    return RigidBody(m, com, inertia - m * (com @ com * np.eye(3) - outer(com, com)))
+
+
+def rigid_part(moments: Moments) -> RigidBody:
+    """The rigid body of inertia integrals."""
+    P0 = moments.P0
+    return rigid_body(float(moments.m), moments.MS0, np.trace(P0) * np.eye(3) - P0)
+
+
+def rigid_fields(nodes: Array) -> Array:
+    """Displacements (6, K, 3) of nodes (K, 3): unit translations along, then rotations about the axes."""
+    axes = np.eye(3)
+    along = np.broadcast_to(axes[:, None, :], (3, len(nodes), 3))
+    return np.concatenate([along, np.cross(axes[:, None, :], nodes[None, :, :])])
+
+
+def by_node(rows: Array) -> Array:
+    """Displacements (3K, N), node after node, as fields (N, K, 3)."""
+    return np.ascontiguousarray(rows.T.reshape(rows.shape[1], len(rows) // 3, 3))
 
 
 def nodal_moments(nodes: Array, mass: Sparse, shapes: Array) -> Moments:
-    """With the scalar mass matrix m_ij = ∫ N_i N_j dm (K, K), sparse, and shapes (N, K, 3).
+    """The integrals with the scalar mass matrix m_ij = ∫ N_i N_j dm (K, K), sparse, and shapes (N, K, 3).
 
-    Exact where r itself lies in the space of the elements: Φ_kᵀ m r and so on.
+    They are exact where r itself lies in the space of the elements: Φ_kᵀ m r and so on.
     """
     N, K = shapes.shape[:2]
     heavy, weight = mass @ nodes, np.asarray(mass @ np.ones(K))
@@ -31,3 +72,8 @@ def rigid_momentum(moments: Moments) -> Array:
     P1 = moments.P1
     beta = [P1[:, 2, 1] - P1[:, 1, 2], P1[:, 0, 2] - P1[:, 2, 0], P1[:, 1, 0] - P1[:, 0, 1]]
     return np.concatenate([moments.S, beta])
+
+
+def modal_mass(moments: Moments) -> Array:
+    """ΦᵀMΦ = tr P2, (N, N)."""
+    return np.trace(moments.P2, axis1=-2, axis2=-1)

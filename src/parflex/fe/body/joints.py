@@ -1,4 +1,4 @@
-"""Where legs and tools hold a body: a node that can turn, or a patch of nodes that move as one."""
+"""The places where legs and tools hold a body: a node that can turn, or a patch of nodes that move as one."""
 
 from collections.abc import Sequence
 from typing import NamedTuple
@@ -11,7 +11,8 @@ from scipy.spatial import cKDTree
 from parflex.base.array import Array, skew
 from parflex.base.check import exactly, positive
 from parflex.base.errors import InputError
-from parflex.fe.body.free_body import FreeBody, Sparse
+from parflex.fe.body.free_body import FreeBody
+from parflex.fe.body.integrals import Sparse
 from parflex.robot.attachments import attachment_nodes
 
 PATCH = 0.025  # of the body's diagonal: a patch's radius where none is given
@@ -30,7 +31,7 @@ class Place(NamedTuple):
 
     @property
     def is_tool(self) -> bool:
-        """Whether wrenches act here, and no leg."""
+        """True where wrenches act, and no leg."""
         return self.name == TOOL
 
 

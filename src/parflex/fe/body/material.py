@@ -1,7 +1,9 @@
-"""What a solid is made of."""
+"""Isotropic materials, and the solids that are made of them."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
+from parflex.base.array import Array
 from parflex.base.check import positive, scalar
 from parflex.base.errors import InputError
 
@@ -22,6 +24,19 @@ class Material:
 
     @property
     def lame(self) -> tuple[float, float]:
-        """λ and μ, Pa."""
+        """The moduli λ and μ, Pa."""
         E, nu = self.young, self.poisson
         return E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
+
+
+class Solid(NamedTuple):
+    """The data that stresses are computed from: elements (E, 10) of node numbers, the part (E,) that each
+    belongs to, and a material for all parts or one for each."""
+
+    elements: Array
+    parts: Array
+    materials: tuple[Material, ...]
+
+    def by_element(self, values: Array) -> Array:
+        """The rows (E, …) of a table (1 or more, …) of values for each material."""
+        return values[self.parts if len(values) > 1 else 0 * self.parts]

@@ -10,9 +10,8 @@ from scipy.linalg import eigh
 from parflex.base.array import Array, skew
 from parflex.base.check import exactly
 from parflex.base.errors import InputError
-from parflex.fe.body.free_body import FreeBody, Sparse
-from parflex.fe.body.integrals import nodal_moments
-from parflex.robot.moments import Moments
+from parflex.fe.body.free_body import FreeBody
+from parflex.fe.body.integrals import Sparse, by_node, nodal_moments, rigid_fields
 
 FREE = 1e-3  # stiffness against rigid motions, of the first elastic mode's, at most
 ALIKE = 1e-6  # the mass matrix, in the three directions
@@ -41,13 +40,7 @@ def body_of_matrices(
     order = row_order(len(r), unknowns)
     K, M = (ordered(name, X, order) for name, X in (("stiffness", stiffness), ("mass", mass)))
     scalar = scalar_mass(M)
-    rigid = rigid_motions(r - np.asarray(scalar @ r).sum(axis=0) / scalar.sum())
     shift = BELOW * first_elastic(r, K, M)
-    surface = np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles, dtype=int)
-
-    def moments(vectors: Array) -> Moments:
-        return nodal_moments(r, scalar, vectors.T.reshape(vectors.shape[1], len(r), 3))
-
     return FreeBody(
         nodes=r,
         stiffness=K,
@@ -55,10 +48,10 @@ def body_of_matrices(
         displacement=sparse.eye_array(3 * len(r), format="csr"),
         rotation=turns(r, K),
         patches=True,
-        rigid=rigid,
-        moments=moments,
+        rigid=rigid_motions(r - np.asarray(scalar @ r).sum(axis=0) / scalar.sum()),
+        moments=lambda vectors: nodal_moments(r, scalar, by_node(vectors)),
         shift=shift,
-        triangles=surface,
+        triangles=np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles, dtype=int),
         corners=tuple(corners),
         source=source,
         notes=tuple(notes),
@@ -104,7 +97,7 @@ def ordered(name: str, matrix: Sparse, order: Array) -> Sparse:
 
 
 def scalar_mass(M: Sparse) -> Sparse:
-    """m (K, K) of M = m ⊗ 1."""
+    """The matrix m (K, K) of M = m ⊗ 1. Raises InputError where M is no such product."""
     along = [M[axis::3, axis::3] for axis in range(3)]
     largest = np.max(np.abs(M.data), initial=0.0)
     apart = max(abs(along[0] - other).max() for other in along[1:])
@@ -118,14 +111,12 @@ def scalar_mass(M: Sparse) -> Sparse:
 
 
 def rigid_motions(r: Array) -> Array:
-    """(3K, 6): unit translations along, rotations about the axes."""
-    axes = np.broadcast_to(np.eye(3), (len(r), 3, 3))
-    turns = np.cross(np.eye(3)[None, :, :], r[:, None, :])  # (K, axis, component)
-    return np.concatenate([axes, np.swapaxes(turns, 1, 2)], axis=2).reshape(3 * len(r), 6)
+    """The rigid displacements (3K, 6): unit translations along the axes, rotations about them."""
+    return rigid_fields(r).reshape(6, -1).T
 
 
 def turns(r: Array, K: Sparse) -> Sparse:
-    """The rotation at each node (3K, 3K): of the nodes it shares elements with, in the mean.
+    """The rotation at each node (3K, 3K): the mean one of the nodes it shares elements with.
 
     θ_i = J_i⁻¹ Σ_j s_j × u_j, J_i = Σ_j (|s_j|² 1 − s_j s_jᵀ), s_j from the centre of those nodes.
     """
@@ -146,14 +137,16 @@ def first_elastic(r: Array, K: Sparse, M: Sparse) -> float:
 
     Raises InputError where rigid motions are resisted.
     """
-    rigid = rigid_motions(r - np.mean(r, axis=0))
-    x = (r - np.mean(r, axis=0)) / np.maximum(np.ptp(r, axis=0), 1e-9 * np.max(np.ptp(r)))
+    centred = r - np.mean(r, axis=0)
+    rigid = rigid_motions(centred)
+    x = centred / np.maximum(np.ptp(r, axis=0), 1e-9 * np.max(np.ptp(r)))
     scale = [x[:, a] * x[:, b] for a in range(3) for b in range(a, 3)]
     monomials = np.stack([np.ones(len(r)), *x.T, *scale], axis=1)
     trial = np.einsum("ki,ab->kaib", monomials, np.eye(3)).reshape(3 * len(r), -1)
     gram, bending = trial.T @ (M @ trial), trial.T @ (K @ trial)
     weight, turn = np.linalg.eigh(gram)
-    kept = turn[:, weight > 1e-10 * weight[-1]] / np.sqrt(weight[weight > 1e-10 * weight[-1]])
+    some = weight > 1e-10 * weight[-1]
+    kept = turn[:, some] / np.sqrt(weight[some])
     values = eigh(kept.T @ bending @ kept, eigvals_only=True)
     elastic = float(values[min(6, len(values) - 1)])
     held = np.max(np.sum(rigid * (K @ rigid), axis=0) / np.sum(rigid * (M @ rigid), axis=0))

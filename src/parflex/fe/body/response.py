@@ -11,10 +11,9 @@ from parflex.fe.body.joints import Place
 
 
 class Loads(NamedTuple):
-    """Unit loads at places: columns (n, p), whether each is a moment, names."""
+    """Unit loads at places: columns (n, p) and their names."""
 
     columns: Array
-    turning: Array
     names: tuple[str, ...]
 
 
@@ -30,28 +29,25 @@ class Static(NamedTuple):
         return np.asarray(self.loads.columns.T @ self.flexed)
 
     def soft(self, compliance: Array, negligible: float) -> Array:
-        """Which of these compliances (p,) are not negligible beside the largest of their kind there."""
+        """The ones (p,) bool of these compliances (p,) that are not negligible beside the largest of their
+        kind at their place."""
         own = np.diagonal(self.compliance).reshape(-1, 3)
         return np.asarray(compliance > negligible * np.repeat(np.max(own, axis=1), 3))
 
 
 def static_response(body: FreeBody, held: tuple[Place, ...]) -> Static:
-    """To the places' unit loads; the last is kept with the body, since it costs most."""
+    """The response to the places' unit loads."""
     loads = loads_of(body, held)
-    known = body.__dict__.get("_static")
-    if known is None or not np.array_equal(known.loads.columns, loads.columns):
-        with waiting(f"computing the response to {len(loads.names)} unit loads"):
-            known = body.__dict__["_static"] = Static(loads, body.flexed(loads.columns))
-    return Static(loads, known.flexed)
+    with waiting(f"computing the response to {len(loads.names)} unit loads"):
+        return Static(loads, body.flexed(loads.columns))
 
 
 def loads_of(body: FreeBody, held: tuple[Place, ...]) -> Loads:
     """Three forces at each place, and three moments at the tool."""
-    columns, turning, names = [np.zeros((body.unknowns, 0))], [], []
+    columns, names = [np.zeros((body.unknowns, 0))], []
     for place in held:
         kinds = [(False, place.displacement)] + [(True, place.rotation)] * place.is_tool
         for moment, rows in kinds:
             columns.append(rows.toarray().T)
-            turning += [moment] * 3
             names += [f"{place.name}{' moment' * moment} along {axis}" for axis in "xyz"]
-    return Loads(np.hstack(columns), np.array(turning, dtype=bool), tuple(names))
+    return Loads(np.hstack(columns), tuple(names))

@@ -12,9 +12,10 @@ from scipy.linalg import eigh
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.canonical import clusters
-from parflex.fe.body.integrals import nodal_moments, rigid_momentum
-from parflex.fe.imports.check_report import CheckReport
+from parflex.fe.body.check_report import CheckReport
+from parflex.fe.body.integrals import RigidBody, modal_mass, nodal_moments, rigid_fields, rigid_momentum
 from parflex.fe.imports.free_checks import (
     RIGID_SHARE,
     Momenta,
@@ -29,14 +30,13 @@ from parflex.fe.imports.free_checks import (
     told_by_rigid_modes,
     turns_missing,
 )
-from parflex.fe.imports.imported import ImportedModes, RigidBody, inner, rigid_body, rigid_fields
-from parflex.robot.modes import Modes
+from parflex.fe.imports.imported import ImportedModes, inner, rigid_body_of
 
 MIXED = 0.1  # deviation from orthogonality that two mass matrices of one model explain
 HEAVIER = 0.3  # and of modal masses, of high modes on a coarse mesh
 
 
-def accepted(read: ImportedModes) -> Modes:
+def accepted(read: ImportedModes) -> ComputedModes:
     """The free platform's elastic modes, orthonormal and without momentum, with their check report.
 
     Raises InputError, in one sentence, where the modes are those of no free body, do not belong to
@@ -46,7 +46,7 @@ def accepted(read: ImportedModes) -> Modes:
     check_turns(read)
     fields = rigid_fields(read.nodes)
     inertia = inner(read.mass, fields, fields)
-    body = rigid_body(inertia)
+    body = rigid_body_of(inertia)
     parts = momenta(read, fields, inertia)
     rigid = parts.share > RIGID_SHARE
     own = read.own or told_by_rigid_modes(read, parts, rigid)
@@ -60,25 +60,42 @@ def accepted(read: ImportedModes) -> Modes:
     deviation = deviations(read, parts, elastic)
     repaired = repair_note(read, deviation, elastic)
     modes = orthonormal(read, parts, elastic, fields, bool(repaired))
-    report = CheckReport(
+    notes = (*read.notes, *repaired, *still)
+    report = report_of(read, parts, elastic, modes, body, own, deviation, notes)
+    return replace(modes, notes=notes, report=report)
+
+
+def report_of(
+    read: ImportedModes,
+    parts: Momenta,
+    elastic: Array,
+    modes: ComputedModes,
+    body: RigidBody,
+    own: RigidBody | None,
+    deviation: Array,
+    notes: tuple[str, ...],
+) -> CheckReport:
+    """The check report of modes, as they were read and as they were accepted."""
+    N = len(elastic)
+    momentum = np.linalg.norm(parts.along[elastic].reshape(N, 2, 3), axis=2)
+    return CheckReport(
         source=read.source,
+        notes=notes,
         body=body,
         own=own,
         mass_kind=read.mass_kind,
         normalised=read.normalised,
-        rigid_modes=int(np.sum(rigid)),
-        residual_stiffness=residual(read, rigid),
-        orthonormality=float(np.max(deviation[:, : len(elastic)], initial=0.0)),
-        S=float(np.max(np.linalg.norm(parts.along[elastic, :3], axis=1), initial=0.0)),
-        beta=float(np.max(np.linalg.norm(parts.along[elastic, 3:], axis=1), initial=0.0)),
-        orthonormality_after=float(np.max(np.abs(modal_mass(modes) - np.eye(len(elastic))), initial=0.0)),
+        rigid_modes=len(read.squares) - N,
+        residual_stiffness=residual(read, parts.share > RIGID_SHARE),
+        orthonormality=float(np.max(deviation[:, :N], initial=0.0)),
+        S=float(np.max(momentum[:, 0], initial=0.0)),
+        beta=float(np.max(momentum[:, 1], initial=0.0)),
+        orthonormality_after=float(np.max(np.abs(modal_mass(modes.moments) - np.eye(N)), initial=0.0)),
         momentum_after=relative_momentum(modes, body),
         frequencies_read=np.sqrt(read.squares[elastic]),
         frequencies=modes.frequencies,
         rotations=read.rotations is not None,
-        notes=(*read.notes, *repaired, *still),
     )
-    return replace(modes, notes=report.notes, report=report)
 
 
 def deviations(read: ImportedModes, parts: Momenta, elastic: Array) -> Array:
@@ -128,7 +145,9 @@ def lone_offender(deviation: Array, tolerance: float) -> int | None:
     return None
 
 
-def orthonormal(read: ImportedModes, parts: Momenta, elastic: Array, fields: Array, repaired: bool) -> Modes:
+def orthonormal(
+    read: ImportedModes, parts: Momenta, elastic: Array, fields: Array, repaired: bool
+) -> ComputedModes:
     """Rigid parts removed, ΦᵀMΦ = 1; frequencies as read, or of the shapes in the masses read here."""
     motion = parts.motion[elastic]
     shapes = read.shapes[elastic] / parts.scale[elastic, None, None]
@@ -148,7 +167,7 @@ def orthonormal(read: ImportedModes, parts: Momenta, elastic: Array, fields: Arr
         free = read.rotations[elastic] / parts.scale[elastic, None, None] - motion[:, None, 3:]
         rotations = np.einsum("nm,nki->mki", turn, free)
     shapes = np.einsum("nm,nki->mki", turn, shapes)
-    return Modes(
+    return ComputedModes(
         nodes=read.nodes,
         triangles=read.triangles,
         shapes=shapes,
@@ -171,12 +190,7 @@ def aligned(squares: Array, turn: Array) -> Array:
     return np.concatenate(parts, axis=1)
 
 
-def modal_mass(modes: Modes) -> Array:
-    """ΦᵀMΦ = tr P2."""
-    return np.trace(modes.moments.P2, axis1=-2, axis2=-1)
-
-
-def relative_momentum(modes: Modes, body: RigidBody) -> float:
-    """Largest of S against √m, and of β against √I."""
+def relative_momentum(modes: ComputedModes, body: RigidBody) -> float:
+    """The largest of S against √m, and of β against √I."""
     size = np.sqrt(body.mass) * np.ones(3), np.sqrt(np.trace(body.inertia)) * np.ones(3)
     return float(np.max(np.abs(rigid_momentum(modes.moments)) / np.concatenate(size)[:, None], initial=0.0))

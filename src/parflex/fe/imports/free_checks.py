@@ -1,4 +1,4 @@
-"""Whether modes are those of a free body, and belong to the masses that were read."""
+"""The checks that modes are those of a free body, and belong to the masses that were read."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,10 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.fe.imports.imported import ImportedModes, RigidBody, inner, rigid_body
+from parflex.fe.body.integrals import RigidBody
+from parflex.fe.imports.foreign import BEYOND
+from parflex.fe.imports.imported import ImportedModes, inner, rigid_body_of
 
-BEYOND = 1e30  # in SI units, what nothing is
 RIGID_SHARE = 0.95  # of a mode's kinetic energy in rigid motion, from which it counts as a rigid mode
 ELASTIC_SHARE = 0.05  # up to which it counts as an elastic one
 RESIDUAL = 1e-4  # ω² of a rigid mode against the first elastic one, at most
@@ -35,7 +36,7 @@ class Momenta:
 
 
 def check_finite(read: ImportedModes) -> None:
-    """Every number of the modes is one."""
+    """Raise InputError where a number of the modes is none, or beyond all bounds."""
     for fields in (read.shapes, read.rotations):
         if fields is not None and not np.all(np.abs(fields) < BEYOND):
             mode, node, _ = np.argwhere(~(np.abs(fields) < BEYOND))[0]
@@ -76,11 +77,11 @@ def told_by_rigid_modes(read: ImportedModes, parts: Momenta, rigid: Array) -> Ri
     if read.modal_mass is None or np.sum(rigid) != 6:
         return None
     B = (parts.motion[rigid] * (parts.scale[rigid] / np.sqrt(read.modal_mass[rigid]))[:, None]).T
-    return rigid_body(np.linalg.inv(B @ B.T))
+    return rigid_body_of(np.linalg.inv(B @ B.T))
 
 
 def check_mass(read: ImportedModes, body: RigidBody, own: RigidBody | None) -> None:
-    """The masses are those with which the modes were computed."""
+    """Raise InputError where the modes were computed with other masses."""
     if own is None:
         return
     size = np.max(np.ptp(read.nodes, axis=0))
@@ -94,7 +95,7 @@ def check_mass(read: ImportedModes, body: RigidBody, own: RigidBody | None) -> N
 
 
 def check_free(read: ImportedModes, parts: Momenta) -> None:
-    """Each mode is either rigid or without momentum: nothing holds the model."""
+    """Raise InputError where a mode is neither rigid nor without momentum: something holds the model."""
     between = (parts.share > ELASTIC_SHARE) & (parts.share <= RIGID_SHARE)
     if not np.any(between):
         return
@@ -106,10 +107,15 @@ def check_free(read: ImportedModes, parts: Momenta) -> None:
     )
 
 
+def at_rest(shapes: Array) -> Array:
+    """The rows of nodes that move in no mode, of shapes (P, K, 3)."""
+    size = np.max(np.abs(shapes), axis=(1, 2), keepdims=True)
+    return np.flatnonzero(np.all(np.abs(shapes) <= 1e-9 * size, axis=(0, 2)))
+
+
 def held_nodes(read: ImportedModes) -> str:
-    """', and node 1 moves in no mode', where there is one."""
-    size = np.max(np.abs(read.shapes), axis=(1, 2), keepdims=True)
-    still = np.flatnonzero(np.all(np.abs(read.shapes) <= 1e-9 * size, axis=(0, 2)))
+    """The words ', and node 1 moves in no mode', where there is one."""
+    still = at_rest(read.shapes)
     if len(still) == 0:
         return ""
     names = ", ".join(str(read.ids[node]) for node in still[:4])
@@ -119,7 +125,7 @@ def held_nodes(read: ImportedModes) -> str:
 
 
 def check_rigid_modes(read: ImportedModes, parts: Momenta, rigid: Array, fields: Array) -> None:
-    """Rigid modes are rigid at each node and cost next to no energy; no other mode is so soft."""
+    """Raise InputError where a rigid mode bends at a node or costs energy, or where another mode does not."""
     lowest = np.min(read.squares[~rigid], initial=np.inf)
     if not lowest > 0 or residual(read, rigid) > RESIDUAL or lowest == np.inf:
         elastic = np.flatnonzero(~rigid)
@@ -167,7 +173,7 @@ def turns_missing(read: ImportedModes, parts: Momenta, rigid: Array) -> tuple[st
 
 
 def check_turns(read: ImportedModes) -> None:
-    """Nodes of shells turn about as much as the triangles between them."""
+    """Raise InputError where a node of a shell turns far more than the triangles around it."""
     if read.rotations is None or len(read.triangles) == 0:
         return
     a, b, c = np.moveaxis(read.nodes[read.triangles], 1, 0)
@@ -187,13 +193,13 @@ def check_turns(read: ImportedModes) -> None:
 
 
 def residual(read: ImportedModes, rigid: Array) -> float:
-    """Largest ω² of a rigid mode against the first elastic one."""
+    """The largest ω² of a rigid mode against the first elastic one."""
     lowest = np.min(read.squares[~rigid], initial=np.inf)
     return float(np.max(np.abs(read.squares[rigid]), initial=0.0) / lowest)
 
 
 def check_size(size: float, mass: float, omega: float) -> None:
-    """Raises InputError where nothing has such a size (m), mass (kg) and first elastic frequency (rad/s)."""
+    """Raise InputError where nothing has such a size (m), mass (kg) and first elastic frequency (rad/s)."""
     speeds = SLOWNESS[0] <= size * omega <= SLOWNESS[1]
     if not (speeds and BULK[0] * size**3 <= mass <= BULK[1] * size**3):
         raise InputError(

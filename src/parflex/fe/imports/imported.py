@@ -1,21 +1,11 @@
 """Modes that another program computed, as they were read."""
 
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, outer
-from parflex.base.errors import InputError
-from parflex.fe.body.free_body import Sparse
-
-
-class RigidBody(NamedTuple):
-    """Mass kg, centre of mass (3,) m, inertia about it (3, 3) kg m²."""
-
-    mass: float
-    com: Array
-    inertia: Array
+from parflex.base.array import Array
+from parflex.fe.body.integrals import RigidBody, Sparse, rigid_body
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +14,8 @@ class ImportedModes:
 
     ids (K,) are the program's node numbers, 0 where there is none; nodes (K, 3) m; mass (K, K) sparse,
     kg, of each direction; shapes (P, K, 3) m and rotations (P, K, 3) rad or None; squares (P,) s⁻² are
-    ω²; modal_mass (P,) kg m² is what the program says ΦᵀMΦ is, None where it does not; `own` is the
-    program's own account of the rigid body; `precision` what the file's numbers leave of ΦᵀMΦ.
+    ω²; modal_mass (P,) kg m² is ΦᵀMΦ as the program says it, None where it does not; `own` is the
+    program's own account of the rigid body; `precision` is the error that the file's numbers leave in ΦᵀMΦ.
     """
 
     ids: Array
@@ -44,30 +34,14 @@ class ImportedModes:
     notes: tuple[str, ...] = ()
 
 
-def rigid_body(inertia: Array) -> RigidBody:
-    """What a (6, 6) inertia about the origin says: m, com from m ĉ, inertia about com.
+def rigid_body_of(inertia: Array) -> RigidBody:
+    """The rigid body of a (6, 6) inertia about the origin, of blocks m 1, m ĉ and the moments of inertia.
 
     Raises InputError where it is that of no body.
     """
-    m = float(np.mean(np.diagonal(inertia)[:3]))
-    if not (np.all(np.isfinite(inertia)) and m > 0):
-        raise InputError(f"mass is {m:.4g} kg; a platform needs a positive mass")
-    first = 0.5 * np.array(
-        [
-            inertia[1, 5] - inertia[2, 4],
-            inertia[2, 3] - inertia[0, 5],
-            inertia[0, 4] - inertia[1, 3],
-        ]
-    )
-    com = first / m
-    return RigidBody(m, com, inertia[3:, 3:] - m * (com @ com * np.eye(3) - outer(com, com)))
-
-
-def rigid_fields(nodes: Array) -> Array:
-    """Displacements (6, K, 3) of unit translations along and rotations about the axes."""
-    axes = np.eye(3)
-    along = np.broadcast_to(axes[:, None, :], (3, len(nodes), 3))
-    return np.concatenate([along, np.cross(axes[:, None, :], nodes[None, :, :])])
+    B = inertia[:3, 3:]
+    MS0 = 0.5 * np.array([B[1, 2] - B[2, 1], B[2, 0] - B[0, 2], B[0, 1] - B[1, 0]])
+    return rigid_body(float(np.mean(np.diagonal(inertia)[:3])), MS0, inertia[3:, 3:])
 
 
 def inner(mass: Sparse, left: Array, right: Array) -> Array:

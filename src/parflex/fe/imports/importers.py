@@ -1,75 +1,64 @@
-"""The importers by name: what the robot file and the command line know them by."""
+"""All importers, as the robot file and the command line know them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from os import PathLike
-from typing import Any, NamedTuple
 
 from numpy.typing import ArrayLike
 
 from parflex.base.errors import InputError
 from parflex.fe.body.attach import attached, first
-from parflex.fe.body.basis import FreeFreeWithAttachment
+from parflex.fe.body.basis import ComputedModes, FreeFreeWithAttachment
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.imports.calculix.calculix import calculix_body, read_calculix
-from parflex.fe.imports.matrices import read_matrices
-from parflex.fe.imports.modal_arrays import read_arrays
-from parflex.fe.imports.nastran.nastran import read_nastran
-from parflex.fe.imports.sources import modes as right_modes
-from parflex.robot.modes import Modes
+from parflex.fe.imports import matrices, modal_arrays
+from parflex.fe.imports.calculix import calculix, storage
+from parflex.fe.imports.importer import Importer
+from parflex.fe.imports.nastran import nastran
+from parflex.fe.sources import modes as right_modes
 
-Path = str | PathLike[str]
-
-
-class Importer(NamedTuple):
-    """A reader of modes, or of a body whose modes are computed here, and the files it takes."""
-
-    read: Callable[..., Modes | FreeBody]
-    files: tuple[str, ...]
-    optional: tuple[str, ...] = ()
-
-
-IMPORTERS = {
-    "nastran": Importer(read_nastran, ("op2", "bulk")),
-    "calculix": Importer(read_calculix, ("frd", "inp")),
-    "calculix-matrices": Importer(calculix_body, ("matrices", "inp")),
-    "matrices": Importer(read_matrices, ("stiffness", "mass", "nodes"), ("unknowns",)),
-    "arrays": Importer(read_arrays, ("path",)),
-}
+IMPORTERS = (
+    nastran.IMPORTER,
+    calculix.IMPORTER,
+    storage.IMPORTER,
+    matrices.IMPORTER,
+    modal_arrays.IMPORTER,
+)
 
 
 def import_modes(
     program: str,
-    files: Mapping[str, Path],
+    files: Mapping[str, str | PathLike[str]],
     units: str,
     modes: int | None = None,
     ids: Sequence[int | Sequence[int]] | None = None,
     points: ArrayLike | None = None,
     radius: float | None = None,
-    say: Callable[[str], None] = print,
-) -> Modes:
+    importers: Sequence[Importer] = IMPORTERS,
+) -> ComputedModes:
     """The modes of a platform from the files of a program, held at nodes by id or at points.
 
     files by the names of the reader's arguments, such as op2 and bulk; `modes` are the lowest to keep, by
     default all. With matrices they are computed: so many free–free modes, by default as many as make the
-    basis right to 1 %, and residual attachment modes at the points.
+    basis right to 1 %, and residual attachment modes at the points. The check report is `report` of them.
 
     Raises InputError for a program or file that is not known, and what the reader raises.
     """
-    if program not in IMPORTERS:
-        raise InputError(f"program is {program!r}; choose one of {', '.join(IMPORTERS)}")
-    importer = IMPORTERS[program]
+    by_name = {importer.name: importer for importer in importers}
+    if program not in by_name:
+        raise InputError(f"program is {program!r}; choose one of {', '.join(by_name)}")
+    importer = by_name[program]
     given = {name: path for name, path in files.items() if path is not None}
     missing = [name for name in importer.files if name not in given]
     strange = [name for name in given if name not in (*importer.files, *importer.optional)]
     if missing or strange:
         wrong = f"{missing[0]} is not given" if missing else f"{strange[0]} is not one of its files"
-        raise InputError(f"{wrong}; {program} takes {', '.join((*importer.files, *importer.optional))}")
-    options: dict[str, Any] = {"units": units, "say": say}
-    read = importer.read(**given, **options)
+        raise InputError(f"{wrong}; {importer.takes}")
+    read = importer.read(**given, units=units)
     if isinstance(read, FreeBody):
         return computed(read, modes, ids, points, radius)
     found = first(read, modes)
-    return found if ids is None and points is None else attached(found, ids, points, radius)
+    if ids is None and points is None:
+        return found
+    return attached(found, ids, points, radius)
 
 
 def computed(
@@ -78,8 +67,8 @@ def computed(
     ids: Sequence[int | Sequence[int]] | None,
     points: ArrayLike | None,
     radius: float | None,
-) -> Modes:
-    """Modes of matrices in the basis that is right for joints."""
+) -> ComputedModes:
+    """The modes of matrices in the basis that is right for joints."""
     if ids is not None or points is None:
         raise InputError(
             "points is not given; name the points at which legs hold: matrices have no modes yet"

@@ -1,6 +1,6 @@
 """A free body from stiffness and mass matrices in files, of whatever program."""
 
-from collections.abc import Callable
+from dataclasses import replace
 from io import BytesIO
 from os import PathLike
 from pathlib import Path
@@ -11,12 +11,13 @@ from scipy import sparse
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.progress import waiting
-from parflex.fe.body.free_body import FreeBody, Sparse
+from parflex.fe.body.check_report import MatrixReport
+from parflex.fe.body.free_body import FreeBody
+from parflex.fe.body.integrals import Sparse, rigid_part
 from parflex.fe.body.nodal import BELOW, body_of_matrices
-from parflex.fe.imports.check_report import BodyReport
-from parflex.fe.imports.foreign import briefly
+from parflex.fe.imports.foreign import lines_of, read, refusing
 from parflex.fe.imports.free_checks import check_size
-from parflex.fe.imports.imported import rigid_body
+from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.unit_systems import Units, units_named
 
 BALANCED = 1e-8  # forces in a rigid motion, of those that its parts make, at most
@@ -28,29 +29,26 @@ def read_matrices(
     nodes: str | PathLike[str],
     units: str = "",
     unknowns: str | PathLike[str] | None = None,
-    say: Callable[[str], None] = print,
 ) -> FreeBody:
     """The free body of matrices (3K, 3K) over the displacements of K nodes.
 
     stiffness and mass are MatrixMarket files (.mtx) or SciPy's (.npz); nodes is a text table of id, x,
     y, z; unknowns, one of node id and direction (1, 2, 3) for each row of the matrices, by default x, y,
     z of node after node in the table's order. All in `units`, such as "SI" or "mm-tonne-s". A basis
-    makes modes of the body: `pf.fe.FreeFreeWithAttachment(9, points).modes(body)`.
+    makes modes of the body: `pf.fe.FreeFreeWithAttachment(9, points).modes(body)`. The check report is
+    `body.report`.
 
     Raises InputError where a file is missing, damaged or does not fit the others, and where the model
     is held.
     """
     system = units_named(units)
     with waiting("reading the matrices"):
-        table = numbers("nodes", Path(nodes).name, lines_of("nodes", Path(nodes)), 4)
+        table = numbers("nodes", Path(nodes), 4)
         ids = table[:, 0].astype(int)
         K, M = read_matrix("stiffness", Path(stiffness)), read_matrix("mass", Path(mass))
-        rows = None
-        if unknowns is not None:
-            listed = numbers("unknowns", Path(unknowns).name, lines_of("unknowns", Path(unknowns)), 2)
-            rows = numbered(listed, ids)
-        names = f"{Path(stiffness).name}, {Path(mass).name}"
-        return free_body(ids, table[:, 1:], K, M, rows, None, f"{names}, {units}", system, say)
+        rows = None if unknowns is None else numbered(numbers("unknowns", Path(unknowns), 2), ids)
+        source = f"{Path(stiffness).name}, {Path(mass).name}, {units}"
+        return free_body(ids, table[:, 1:], K, M, rows, None, source, system)
 
 
 def free_body(
@@ -62,9 +60,12 @@ def free_body(
     triangles: Array | None,
     source: str,
     units: Units,
-    say: Callable[[str], None],
 ) -> FreeBody:
-    """The body of matrices in a system of units, with what is to be said of it."""
+    """The body of matrices in a system of units, with its check report.
+
+    Raises InputError where the matrices do not fit the nodes, the model is held, or the units make a
+    body that nothing is.
+    """
     K, M = units.stiffness * sparse.csr_array(stiffness), units.mass * sparse.csr_array(mass)
     if len(np.unique(ids)) != len(ids):
         raise InputError("nodes has an id twice; give each node once")
@@ -72,12 +73,11 @@ def free_body(
     check_equilibrium(ids, body)
     report = report_of(body)
     check_size(float(np.max(np.ptp(body.nodes, axis=0))), report.body.mass, report.first)
-    say(str(report))
-    return body
+    return replace(body, report=report)
 
 
 def check_equilibrium(ids: Array, body: FreeBody) -> None:
-    """Raises InputError where a rigid motion makes a force at a node: K R = 0 row by row."""
+    """Raise InputError where a rigid motion makes a force at a node: K R = 0 row by row."""
     largest = abs(body.stiffness) @ np.abs(body.rigid)
     off = np.max(np.abs(body.stiffness @ body.rigid) / np.max(largest, axis=0), axis=1)
     worst = int(np.argmax(off))
@@ -88,42 +88,27 @@ def check_equilibrium(ids: Array, body: FreeBody) -> None:
         )
 
 
-def report_of(body: FreeBody) -> BodyReport:
-    """What the matrices say of the rigid body, and how soft its rigid motions are."""
-    none = body.moments(np.zeros((body.unknowns, 0)))
-    inertia = np.block(
-        [[none.m * np.eye(3), -hat(none.MS0)], [hat(none.MS0), np.trace(none.P0) * np.eye(3) - none.P0]]
-    )
+def report_of(body: FreeBody) -> MatrixReport:
+    """The rigid body of the matrices, and how soft its rigid motions are."""
     first = float(np.sqrt(body.shift / BELOW))
-    R = body.rigid
-    energy = np.sum(R * (body.stiffness @ R), axis=0) / np.sum(R * (body.mass @ R), axis=0)
-    return BodyReport(
+    return MatrixReport(
         source=body.source,
-        body=rigid_body(inertia),
+        notes=(),
+        body=rigid_part(body.moments(np.zeros((body.unknowns, 0)))),
         unknowns=body.unknowns,
-        residual_stiffness=float(np.max(np.abs(energy)) / first**2),
+        residual_stiffness=float(np.max(np.abs(body.rigid_squares)) / first**2),
         first=first,
     )
-
-
-def hat(v: Array) -> Array:
-    """The matrix of v ×."""
-    return np.cross(np.eye(3), v).T
 
 
 def read_matrix(name: str, path: Path) -> Sparse:
     """A sparse matrix of a file."""
     if path.suffix != ".npz":
         return matrix_market(name, path)
-    try:
-        matrix = sparse.csr_array(sparse.load_npz(BytesIO(path.read_bytes())))
+    data = BytesIO(read(name, path))
+    with refusing(f"{name} {path.name} is damaged, or of no matrix ({{}}); write it again", Exception):
+        matrix = sparse.csr_array(sparse.load_npz(data))
         matrix.check_format(full_check=True)
-    except OSError as error:
-        raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # the reader raises many kinds for a damaged file
-        raise InputError(
-            f"{name} {path.name} is damaged, or of no matrix ({briefly(error)}); write it again"
-        ) from None
     return matrix
 
 
@@ -145,44 +130,39 @@ def matrix_market(name: str, path: Path) -> Sparse:
     shape = [int(word) if word.isdigit() else -1 for word in size.split()]
     if len(shape) != 3 or min(shape) < 0 or shape[0] != shape[1] or len(entries) != shape[2]:
         raise InputError(f"{name} {path.name} says {size!r} and has {len(entries)} entries; it is damaged")
-    return coordinates(name, path.name, entries, shape[0], head[4] == "symmetric")
+    return coordinates(name, path, entries, shape[0], head[4] == "symmetric")
 
 
-def lines_of(name: str, path: Path) -> list[str]:
-    """The lines of a text file, one at least."""
-    try:
-        return path.read_text(encoding="latin-1").splitlines() or [""]
-    except OSError as error:
-        raise InputError(f"{name} {path} cannot be read: {error.strerror or error}") from None
-
-
-def coordinates(name: str, file: str, entries: list[str], size: int, symmetric: bool) -> Sparse:
+def coordinates(name: str, path: Path, entries: list[str], size: int, symmetric: bool) -> Sparse:
     """The matrix (n, n) of lines of row, column, value, counted from 1; of one triangle if symmetric."""
-    table = numbers(name, file, entries, 3)
+    table = table_of(name, path, entries, 3)
     whole = np.all(table[:, :2] == np.floor(table[:, :2]))
     if not whole or np.any(table[:, :2] < 1) or np.any(table[:, :2] > size):
-        raise InputError(f"{name} {file} does not fit {size} unknowns; write it again")
+        raise InputError(f"{name} {path.name} does not fit {size} unknowns; write it again")
     i, j = table[:, :2].astype(int).T - 1
     matrix = sparse.coo_array((table[:, 2], (i, j)), shape=(size, size)).tocsr()
     return matrix + matrix.T - sparse.diags_array(matrix.diagonal()) if symmetric else matrix
 
 
-def numbers(name: str, file: str, lines: list[str], columns: int) -> Array:
+def numbers(name: str, path: Path, columns: int) -> Array:
+    """The finite numbers (n, columns) of a text file."""
+    return table_of(name, path, lines_of(name, path), columns)
+
+
+def table_of(name: str, path: Path, lines: list[str], columns: int) -> Array:
     """Finite numbers (n, columns) of lines, with commas or without."""
     rows = [line.replace(",", " ") for line in lines if line.strip() and not line.startswith("#")]
     if not rows:
-        raise InputError(f"{name} {file} is empty; write it again")
-    try:
+        raise InputError(f"{name} {path.name} is empty; write it again")
+    with refusing(f"{name} {path.name} is no table of numbers ({{}}); correct it", ValueError):
         table = np.loadtxt(rows, ndmin=2)
-    except ValueError as error:
-        raise InputError(f"{name} {file} is no table of numbers ({briefly(error)}); correct it") from None
     if table.shape[1:] != (columns,) or not np.all(np.isfinite(table)):
-        raise InputError(f"{name} {file} has not {columns} finite numbers in each line; correct it")
+        raise InputError(f"{name} {path.name} has not {columns} finite numbers in each line; correct it")
     return table
 
 
 def numbered(table: Array, ids: Array) -> Array:
-    """(n, 2) node and direction from 0, of ids and directions from 1."""
+    """Node and direction (n, 2) from 0, of ids and directions from 1."""
     order = np.argsort(ids)
     at = np.searchsorted(ids, table[:, 0], sorter=order)
     node = order[np.minimum(at, len(ids) - 1)]
@@ -190,3 +170,6 @@ def numbered(table: Array, ids: Array) -> Array:
     if len(wrong):
         raise InputError(f"unknowns has node {table[wrong[0], 0]:.0f}, which the table of nodes has not")
     return np.column_stack([node, table[:, 1].astype(int) - 1])
+
+
+IMPORTER = Importer("matrices", read_matrices, ("stiffness", "mass", "nodes"), ("unknowns",))

@@ -3,8 +3,9 @@
 from dataclasses import dataclass
 
 from parflex.base.errors import InputError
+from parflex.fe.units import FOOT, INCH
 
-INCH, FOOT, POUND_FORCE = 0.0254, 0.3048, 4.4482216152605  # m, m, N, by definition
+POUND_FORCE = 4.4482216152605  # N, by definition
 
 DENSITY = (0.2, 3e4)  # kg/m³, from foam to osmium with room to spare
 STIFFEST = 2e12  # N/m², beyond diamond
@@ -67,7 +68,7 @@ def units_named(name: str) -> Units:
 
 
 def check_material(name: str, density: float, modulus: float | None, units: Units) -> None:
-    """Raises InputError where a density or modulus, in the file's units, is that of no material.
+    """Raise InputError where a density or modulus, in the file's units, is that of no material.
 
     A density of zero is none.
     """
@@ -83,7 +84,7 @@ def check_material(name: str, density: float, modulus: float | None, units: Unit
 
 
 def material_fits(density: float, modulus: float | None, units: Units) -> bool:
-    """Whether something has this density and stiffness."""
+    """True where something has this density and stiffness."""
     rho = density * units.density
     if not DENSITY[0] <= rho <= DENSITY[1]:
         return False

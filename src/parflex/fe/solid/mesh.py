@@ -1,4 +1,4 @@
-"""Meshes of second-order tetrahedra, checked: what is wrong is mended or refused, in words."""
+"""Meshes of second-order tetrahedra, checked: faults are mended or refused, in words."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -12,21 +12,20 @@ from scipy.spatial import cKDTree
 from parflex.base.array import Array
 from parflex.base.check import exactly
 from parflex.base.errors import InputError
+from parflex.fe.body.elements import TET10, TETRA_EDGES, jacobians
+from parflex.fe.body.surface import surface
 
-# corners, then the middles of these edges: the order of VTK, meshio and scikit-fem
-EDGES = np.array([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)])
-# the faces, outward: corners, then the middles between them
-FACES = np.array([(0, 2, 1, 6, 5, 4), (0, 1, 3, 4, 8, 7), (1, 2, 3, 5, 9, 8), (0, 3, 2, 7, 9, 6)])
-MIRRORED = (1, 0, 2, 3, 4, 6, 5, 8, 7, 9)  # an element seen from the other side
+EDGES = np.array(TETRA_EDGES)  # with a node in the middle, which follow the corners
+MIRRORED = [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]  # an element seen from the other side
 
-FLAT = 1e-9  # volume of an element that is none, of its longest edge cubed
-SAME = 1e-9  # distance of nodes that are one, of the body's size
+FLAT = 1e-9  # volume below which an element has none, of its longest edge cubed
+COINCIDENT = 1e-9  # distance of nodes that are one, of the body's size
 
 
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
     """Tetrahedra with ten nodes: nodes (K, 3) m, elements (E, 10) node numbers (corners, then the middles
-    of the edges 01 12 02 03 13 23), and the part (E,) from 0 that each belongs to, for its material.
+    of the edges 01 12 20 03 13 23), and the part (E,) from 0 that each belongs to, for its material.
 
     Built by `solid_mesh`, which checks it.
     """
@@ -39,22 +38,17 @@ class SolidMesh:
     @cached_property
     def size(self) -> float:
         """The median edge, m."""
-        corner = self.nodes[self.elements[:, :4]]
-        return float(np.median(np.linalg.norm(corner[:, EDGES[:, 0]] - corner[:, EDGES[:, 1]], axis=-1)))
-
-    @cached_property
-    def faces(self) -> Array:
-        """The surface (F, 6): corners and the middles between them, outward."""
-        every = self.elements[:, FACES].reshape(-1, 6)
-        corners = np.sort(every[:, :3], axis=1)
-        _, first, count = np.unique(corners, axis=0, return_index=True, return_counts=True)
-        return every[np.sort(first[count == 1])]
+        return float(np.median(edge_lengths(self.nodes, self.elements)))
 
     @cached_property
     def triangles(self) -> Array:
-        """The surface as flat triangles (4F, 3)."""
-        split = np.array([(0, 3, 5), (3, 1, 4), (5, 4, 2), (3, 4, 5)])
-        return self.faces[:, split].reshape(-1, 3)
+        """The surface as flat triangles (T, 3)."""
+        return surface([("tet10", self.elements)])
+
+
+def edge_lengths(r: Array, cells: Array) -> Array:
+    """The lengths (E, 6) m of the edges between corners."""
+    return np.linalg.norm(r[cells[:, EDGES[:, 0]]] - r[cells[:, EDGES[:, 1]]], axis=-1)
 
 
 def solid_mesh(
@@ -85,7 +79,7 @@ def without_doubles(r: Array, cells: Array) -> tuple[Array, Array, tuple[str, ..
     """Coincident nodes joined, unused ones left out."""
     used = np.unique(cells)
     size = float(np.max(np.ptp(r[used], axis=0)))
-    pairs = cKDTree(r[used]).query_pairs(SAME * size, output_type="ndarray")
+    pairs = cKDTree(r[used]).query_pairs(COINCIDENT * size, output_type="ndarray")
     count = len(used)
     touching = sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     groups, group = connected_components(touching, directed=False)
@@ -108,7 +102,7 @@ def upright(r: Array, cells: Array) -> tuple[Array, tuple[str, ...]]:
     """Elements of positive volume. Raises InputError where one has none."""
     corner = r[cells[:, :4]]
     volume = np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0
-    longest = np.max(np.linalg.norm(corner[:, EDGES[:, 0]] - corner[:, EDGES[:, 1]], axis=-1), axis=1)
+    longest = np.max(edge_lengths(r, cells), axis=1)
     flat = np.flatnonzero(np.abs(volume) <= FLAT * longest**3)
     if len(flat):
         raise InputError(
@@ -118,8 +112,7 @@ def upright(r: Array, cells: Array) -> tuple[Array, tuple[str, ...]]:
     inverted = volume < 0
     if not np.any(inverted):
         return cells, ()
-    mirror = list(MIRRORED[: cells.shape[1]])
-    cells = np.where(inverted[:, None], cells[:, mirror], cells)
+    cells = np.where(inverted[:, None], cells[:, MIRRORED[: cells.shape[1]]], cells)
     return cells, (f"{np.sum(inverted)} inverted elements were turned",)
 
 
@@ -151,9 +144,8 @@ def one_piece(r: Array, cells: Array) -> None:
 
 def unfolded(r: Array, cells: Array) -> None:
     """Raise InputError where curved edges fold an element."""
-    from parflex.fe.solid.tetrahedron import jacobians, vertices_and_middles
-
-    worst = np.min(np.linalg.det(jacobians(r[cells], vertices_and_middles())), axis=1)
+    at_nodes = TET10.at(TET10.points.T)[1]
+    worst = np.min(np.linalg.det(jacobians(r[cells], at_nodes)), axis=1)
     if np.any(worst <= 0):
         raise InputError(
             f"element {int(np.argmin(worst))} is folded by its curved edges; mesh finer there, or with "

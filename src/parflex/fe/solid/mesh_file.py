@@ -8,7 +8,7 @@ import numpy as np
 
 from parflex.base.errors import InputError
 from parflex.fe.solid.mesh import SolidMesh, solid_mesh
-from parflex.fe.solid.units import length_unit
+from parflex.fe.units import length_unit
 
 PART_NAMES = ("gmsh:physical", "medit:ref", "cell_tags")
 

@@ -16,14 +16,14 @@ from parflex.base.errors import InputError
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
 from parflex.fe.plate.polygon import simple_polygon
-from parflex.fe.solid.mesh import EDGES, SolidMesh, solid_mesh
-from parflex.fe.solid.units import length_unit, unit_of_step
+from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
+from parflex.fe.units import length_unit, unit_of_step
 
 FEWEST, WANTED, MOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
 TRIES = 8
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
 NETGEN_EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
-ORDER = [0, 1, 2, 3, *(4 + NETGEN_EDGES.index((a, b)) for a, b in EDGES.tolist())]
+ORDER = [0, 1, 2, 3, *(4 + NETGEN_EDGES.index((a, b)) for a, b in np.sort(EDGES).tolist())]
 
 
 @dataclass(frozen=True, eq=False)
@@ -223,5 +223,5 @@ def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> Soli
     names = [mesh.GetMaterial(k + 1) for k in range(int(np.max(cells["index"], initial=0)))]
     number = np.array([int(name.removeprefix("part ")) for name in names])
     elements = cells["nodes"][:, :10].astype(np.int64)[:, ORDER] - 1
-    elements = elements[:, [1, 0, 2, 3, 4, 6, 5, 8, 7, 9]]  # Netgen sees them from the other side
+    elements = elements[:, MIRRORED]  # Netgen sees them from the other side
     return solid_mesh(mesh.Coordinates(), elements, number[cells["index"] - 1])

@@ -12,9 +12,11 @@ from scipy.spatial import cKDTree
 from parflex.base.array import Array
 from parflex.base.check import exactly, finite, of_type
 from parflex.base.errors import InputError
+from parflex.fe.body.basis import ComputedModes
+from parflex.fe.body.elements import TET10, gradients
+from parflex.fe.body.material import Solid
 from parflex.fe.solid.mesh import SolidMesh
-from parflex.fe.solid.tetrahedron import at, gradients, vertices_and_middles
-from parflex.robot.modes import Modes, Solid
+from parflex.robot.modes import Modes
 
 INSIDE = 1e-6  # how far outside an element, in its own coordinates, a point is taken to be in it
 NEAREST = 40  # elements looked at for a point
@@ -56,12 +58,13 @@ def recover(modes: Modes, elastic: ArrayLike, points: ArrayLike | None = None) -
 
 def solid_of(modes: Modes) -> Solid:
     """Elements and materials. Raises InputError where there are none."""
-    if modes.solid is None:
+    solid = modes.solid if isinstance(modes, ComputedModes) else None
+    if solid is None:
         raise InputError(
             f"modes ({modes.source}) have no elements, so that there are no stresses; make the platform of a "
             f"solid mesh (pf.fe.solid_body)"
         )
-    return modes.solid
+    return solid
 
 
 def von_mises(stress: Array) -> Array:
@@ -72,8 +75,7 @@ def von_mises(stress: Array) -> Array:
 
 def moduli(solid: Solid) -> tuple[Array, Array]:
     """λ and μ of each element, (E,)."""
-    table = np.array([material.lame for material in solid.materials])
-    lam, mu = table[np.minimum(solid.parts, len(table) - 1)].T
+    lam, mu = solid.by_element(np.array([material.lame for material in solid.materials])).T
     return lam, mu
 
 
@@ -92,17 +94,13 @@ def nodal_fields(nodes: Array, solid: Solid, u: Array) -> tuple[Array, Array, Ar
     """Displacement, strain and stress of one displacement field (K, 3), at its nodes."""
     strain = element_strains(nodes, solid, u)
     lam, mu = moduli(solid)
-    stress = hooke(
-        strain,
-        np.broadcast_to(lam[:, None], strain.shape[:2]),
-        np.broadcast_to(mu[:, None], strain.shape[:2]),
-    )
+    stress = hooke(strain, lam[:, None], mu[:, None])
     return u, averaged(solid.elements, strain, len(nodes)), averaged(solid.elements, stress, len(nodes))
 
 
 def element_strains(nodes: Array, solid: Solid, u: Array) -> Array:
-    """At the ten nodes of each element, (E, 10, 3, 3)."""
-    G, _ = gradients(nodes[solid.elements], vertices_and_middles())
+    """The strains (E, 10, 3, 3) at the ten nodes of each element."""
+    G, _ = gradients(nodes[solid.elements], TET10.at(TET10.points.T)[1])
     return symmetric(np.einsum("eia,eqib->eqab", u[solid.elements], G, optimize=True))
 
 
@@ -120,43 +118,42 @@ def located(nodes: Array, solid: Solid, points: Array) -> tuple[Array, Array]:
     Raises InputError for a point in no element.
     """
     corners = nodes[solid.elements[:, :4]]
-    near = (
-        cKDTree(np.mean(corners, axis=1))
-        .query(points, min(NEAREST, len(corners)))[1]
-        .reshape(len(points), -1)
-    )
+    nearest = cKDTree(np.mean(corners, axis=1)).query(points, min(NEAREST, len(corners)))[1]
+    near = nearest.reshape(len(points), -1)
     edges = np.swapaxes(corners[near][:, :, 1:] - corners[near][:, :, :1], -1, -2)
     X = np.linalg.solve(edges, (points[:, None] - corners[near][:, :, 0])[..., None])[..., 0]
-    outside = np.maximum(np.max(-X, axis=-1), np.sum(X, axis=-1) - 1.0)
-    best = np.argmin(outside, axis=1)
-    rows = np.arange(len(points))
-    element, X, outside = near[rows, best], X[rows, best], outside[rows, best]
-    X = newton(nodes[solid.elements[element]], points, X)
-    outside = np.maximum(np.max(-X, axis=-1), np.sum(X, axis=-1) - 1.0)
-    if np.any(outside > INSIDE):
-        worst = int(np.argmax(outside))
+    rows, best = np.arange(len(points)), np.argmin(outside(X), axis=1)
+    element = near[rows, best]
+    X = newton(nodes[solid.elements[element]], points, X[rows, best])
+    if np.any(outside(X) > INSIDE):
+        worst = int(np.argmax(outside(X)))
         raise InputError(f"points[{worst}] = {points[worst]} is off the body; give points in it or on it")
     return element, X
+
+
+def outside(X: Array) -> Array:
+    """How far reference coordinates (…, 3) lie outside their element; negative inside."""
+    return np.maximum(np.max(-X, axis=-1), np.sum(X, axis=-1) - 1.0)
 
 
 def newton(x: Array, points: Array, X: Array) -> Array:
     """Reference coordinates in curved elements; at once where they are straight."""
     for _ in range(6):
-        shape = at(X.T)
-        gap = points - np.einsum("pi,pia->pa", shape.values, x)
-        J = np.einsum("pia,pib->pab", x, shape.slopes)
+        N, slopes = TET10.at(X.T)
+        gap = points - np.einsum("ip,pia->pa", N, x)
+        J = np.einsum("pia,ibp->pab", x, slopes)
         X = X + np.linalg.solve(J, gap[..., None])[..., 0]
     return X
 
 
 def fields_at(nodes: Array, solid: Solid, u: Array, element: Array, X: Array) -> tuple[Array, Array, Array]:
     """Displacement, strain and stress of one displacement field at points of elements."""
-    shape, cells = at(X.T), solid.elements[element]
-    inverse = np.linalg.inv(np.einsum("pia,pib->pab", nodes[cells], shape.slopes))
-    gradient = np.einsum("pia,pib,pbc->pac", u[cells], shape.slopes, inverse, optimize=True)
+    (N, slopes), cells = TET10.at(X.T), solid.elements[element]
+    inverse = np.linalg.inv(np.einsum("pia,ibp->pab", nodes[cells], slopes))
+    gradient = np.einsum("pia,ibp,pbc->pac", u[cells], slopes, inverse, optimize=True)
     lam, mu = (values[element] for values in moduli(solid))
     strain = symmetric(gradient)
-    return np.einsum("pi,pia->pa", shape.values, u[cells]), strain, hooke(strain, lam, mu)
+    return np.einsum("ip,pia->pa", N, u[cells]), strain, hooke(strain, lam, mu)
 
 
 def mesh_of(modes: Modes) -> SolidMesh:

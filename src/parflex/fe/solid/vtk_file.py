@@ -3,7 +3,7 @@
 import os
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -15,14 +15,19 @@ from parflex.base.writing import replacing
 from parflex.fe.solid.recovery import Fields, mesh_of, recover
 from parflex.robot.modes import Modes
 
-if TYPE_CHECKING:
-    from parflex.simulation.result import Result
-
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of symmetric tensors
 
 
+class Run(Protocol):
+    """A run of a robot: anything with a dataset of elastic coordinates in time, such as `pf.Result`."""
+
+    @property
+    def dataset(self) -> Any:
+        """A mapping to arrays: elastic (time, mode) and time (time,) s."""
+
+
 def write_fields(
-    modes: Modes, result: "Result", path: str | os.PathLike[str], times: Sequence[float] | None = None
+    modes: Modes, result: Run, path: str | os.PathLike[str], times: Sequence[float] | None = None
 ) -> list[Path]:
     """Displacement (m), strain, stress and von Mises stress (Pa) of a run on a solid, for ParaView.
 

@@ -32,8 +32,8 @@ def solid_shapes(modes: Modes, columns: int = 4) -> Figure:
     rows = max(1, -(-count // columns))
     fig = figure(2.2 * columns + 0.8, 1.9 * rows + 0.5)
     surface = modes.triangles
-    if modes.solid is not None:  # the corners of each face, whose four triangles are listed together
-        surface = surface.reshape(-1, 4, 3)[:, [0, 1, 2], [0, 1, 2]]
+    if getattr(modes, "solid", None):  # the corners of each face, whose four triangles are listed together
+        surface = surface.reshape(-1, 4, 3)[:, :3, 1]
     held = modes.nodes[list(modes.corners)]
     size = float(np.max(np.ptp(modes.nodes, axis=0)))
     for k in range(count):

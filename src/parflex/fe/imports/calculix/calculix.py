@@ -1,6 +1,5 @@
-"""Modes and matrices from CalculiX."""
+"""Modes from CalculiX: frd for mesh and modes, the deck for densities."""
 
-from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 
@@ -9,23 +8,22 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.progress import waiting
-from parflex.fe.body.elements import Elements, mass_matrix, surface
-from parflex.fe.body.free_body import FreeBody, Sparse
+from parflex.fe.body.basis import ComputedModes
+from parflex.fe.body.elements import Elements, mass_matrix
+from parflex.fe.body.surface import surface
 from parflex.fe.imports.acceptance import accepted
-from parflex.fe.imports.calculix.deck import Deck, Material, read_deck
+from parflex.fe.imports.calculix.deck import Deck, DeckMaterial, read_deck
 from parflex.fe.imports.calculix.frd import FrdModes, read_frd
-from parflex.fe.imports.foreign import briefly
 from parflex.fe.imports.imported import ImportedModes, cosines
-from parflex.fe.imports.matrices import coordinates, free_body, lines_of
+from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.unit_systems import Units, check_material, units_named
-from parflex.robot.modes import Modes
 
 # degrees of the rules by which CalculiX 2 integrates masses, full and for types that end in R
 FULL = {"tet4": 0, "tet10": 2, "wedge6": 3, "wedge15": 4, "hex8": 3, "hex20": 5}
 REDUCED = FULL | {"hex8": 0, "hex20": 3}
 RULES = {"full integration": FULL, "reduced integration": REDUCED}
 
-SIX_DIGITS = 1e-5  # what the numbers of an frd file leave of ΦᵀMΦ, with room to spare
+SIX_DIGITS = 1e-5  # error that the numbers of an frd file leave in ΦᵀMΦ, with room to spare
 SAME_PLACE = 1e-5  # of the size: a node in the deck and in the results
 
 
@@ -33,14 +31,13 @@ def read_calculix(
     frd: str | PathLike[str],
     inp: str | PathLike[str],
     units: str = "",
-    say: Callable[[str], None] = print,
-) -> Modes:
+) -> ComputedModes:
     """The elastic modes of a free platform of solids that CalculiX computed (*FREQUENCY).
 
     frd holds mesh and modes (*NODE FILE with U, in ASCII), inp densities and exact coordinates; units of
     both: "SI", "mm-tonne-s", "in-lbf" and others. Shells and beams come as the solids that CalculiX
     makes of them. The masses are consistent, integrated by the rules of CalculiX. The check report is
-    `modes.report`; `say` prints it.
+    `modes.report`.
 
     Raises InputError where a file is damaged or of another model, the model is held, a density is
     missing, or the units make a material that nothing has.
@@ -48,13 +45,11 @@ def read_calculix(
     system = units_named(units)
     with waiting("reading the files of CalculiX"):
         modes, deck = read_frd(Path(frd)), read_deck(Path(inp))
-        found = accepted(together(f"{Path(frd).name} and {Path(inp).name}", modes, deck, system))
-    say(str(found.report))
-    return found
+        return accepted(together(f"{Path(frd).name} and {Path(inp).name}", modes, deck, system))
 
 
 def together(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedModes:
-    """Modes on the mesh, in SI units."""
+    """The modes on the mesh, in SI units."""
     nodes = units.length * exact_places(modes.ids, modes.nodes, deck)
     number = {int(node): k for k, node in enumerate(modes.ids)}
     grouped: dict[tuple[str, int], list[tuple[int, ...]]] = {}
@@ -84,7 +79,7 @@ def together(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedMo
 
 
 def numbered(rows: list[tuple[int, ...]], number: dict[int, int]) -> Array:
-    """Node numbers from 0 of nodes by id; raises InputError for one that is not there."""
+    """The node numbers from 0 of nodes by id; raises InputError for one that is not there."""
     try:
         return np.array([[number[node] for node in row] for row in rows])
     except KeyError as error:
@@ -92,12 +87,10 @@ def numbered(rows: list[tuple[int, ...]], number: dict[int, int]) -> Array:
 
 
 def exact_places(ids: Array, places: Array, deck: Deck) -> Array:
-    """Coordinates of the deck where it has the node, which the results agree with to six digits."""
+    """The coordinates of the deck where it has the node, which the results agree with to six digits."""
     row = {int(node): k for k, node in enumerate(deck.ids)}
     known = np.array([int(node) in row for node in ids])
-    if (
-        not np.any(known) and deck.elements
-    ):  # else shells, of which CalculiX makes solids with nodes of its own
+    if not np.any(known) and deck.elements:  # of shells CalculiX makes solids with nodes of its own
         raise InputError("inp has none of the nodes of frd; give the files of one model")
     exact = places.copy()
     exact[known] = deck.nodes[[row[int(node)] for node in ids[known]]]
@@ -112,72 +105,13 @@ def exact_places(ids: Array, places: Array, deck: Deck) -> Array:
 
 
 def density_of(modes: FrdModes, deck: Deck, material: int, units: Units) -> float:
-    """kg/m³ of a material of the results, by its name in the deck."""
+    """The density kg/m³ of a material of the results, by its name in the deck."""
     name = modes.materials.get(material, "")
-    rho, young = deck.materials.get(name, Material(None, None))
+    rho, young = deck.materials.get(name, DeckMaterial())
     if rho is None or not rho > 0:
         raise InputError(f"inp gives no *DENSITY of the material {name or material}; a mode needs one")
     check_material(f"material {name} of inp", rho, young, units)
     return rho * units.density
 
 
-def calculix_body(
-    matrices: str | PathLike[str],
-    inp: str | PathLike[str],
-    units: str = "",
-    say: Callable[[str], None] = print,
-) -> FreeBody:
-    """The free body of the stiffness and mass matrices that CalculiX wrote.
-
-    matrices names the files of *FREQUENCY, SOLVER=MATRIXSTORAGE: job.sti for job.sti, job.mas and job.dof;
-    inp is the deck. A basis makes modes of it: `pf.fe.FreeFreeWithAttachment(9, points).modes(body)`.
-
-    Raises InputError where a file is missing, damaged or of another model, or the model is held.
-    """
-    system = units_named(units)
-    job = Path(matrices)
-    with waiting("reading the matrices of CalculiX"):
-        deck = read_deck(Path(inp))
-        for name, (rho, young) in deck.materials.items():
-            check_material(f"material {name} of inp", rho or 0.0, young, system)
-        unknowns = degrees(job.with_suffix(".dof"))
-        K, M = (triangle(job.with_suffix(suffix), len(unknowns)) for suffix in (".sti", ".mas"))
-        number = {int(node): k for k, node in enumerate(np.unique(unknowns[:, 0]))}
-        row = {int(node): k for k, node in enumerate(deck.ids)}
-        missing = [node for node in number if node not in row]
-        if missing:
-            raise InputError(
-                f"{job.stem}.dof has node {missing[0]}, which inp has not; give the files of one model"
-            )
-        parts = [
-            Elements(kind, numbered(rows.tolist(), number), np.zeros(len(rows)))
-            for kind, rows in deck.elements.items()
-        ]
-        body = free_body(
-            ids=np.array(list(number)),
-            nodes=deck.nodes[[row[node] for node in number]],
-            stiffness=K,
-            mass=M,
-            unknowns=np.column_stack([numbered(unknowns[:, :1].tolist(), number), unknowns[:, 1] - 1]),
-            triangles=surface(parts),
-            source=f"CalculiX, {job.stem}.sti, .mas, {units}",
-            units=system,
-            say=say,
-        )
-    return body
-
-
-def degrees(path: Path) -> Array:
-    """(n, 2) node and direction of each unknown, from lines such as 12.3."""
-    try:
-        rows = [line.split(".") for line in lines_of("matrices", path) if line.strip()]
-        return np.array([[int(node), int(direction)] for node, direction in rows]).reshape(-1, 2)
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(f"matrices {path.name} is damaged ({briefly(error)}); write it again") from None
-
-
-def triangle(path: Path, size: int) -> Sparse:
-    """The symmetric matrix (n, n) of lines of row, column, value of one triangle, counted from 1."""
-    return coordinates("matrices", path.name, lines_of("matrices", path), size, symmetric=True)
+IMPORTER = Importer("calculix", read_calculix, ("frd", "inp"))

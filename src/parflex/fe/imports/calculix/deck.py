@@ -1,4 +1,4 @@
-"""Input decks of CalculiX and Abaqus, as far as nodes, solids and densities go."""
+"""The nodes, solids and densities in input decks of CalculiX and Abaqus."""
 
 from collections.abc import Iterator
 from os import PathLike
@@ -10,7 +10,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.fe.body.elements import ELEMENTS
-from parflex.fe.imports.foreign import briefly
+from parflex.fe.imports.foreign import read, refusing
 
 SOLIDS = {
     "C3D4": "tet4",
@@ -29,64 +29,50 @@ OTHERS = ("S", "M3D", "B", "CP", "CA", "T3D", "DASHPOT", "DCOUP", "GAP", "MASS",
 DEEPEST = 8  # files that include one another
 
 
-class Block(NamedTuple):
+class Keyword(NamedTuple):
     """A keyword, its options, and the fields of its data lines."""
 
-    keyword: str
+    name: str
     options: dict[str, str]
     data: list[list[str]]
 
 
-class Material(NamedTuple):
+class DeckMaterial(NamedTuple):
     """Density and Young's modulus, in the deck's units; None where not given."""
 
-    density: float | None
-    young: float | None
+    density: float | None = None
+    young: float | None = None
 
 
 class Deck(NamedTuple):
-    """What a deck says, in its own units; elements by kind, node ids in Nastran's order."""
+    """The model of a deck in its own units; elements by kind, node ids in Nastran's order."""
 
     ids: Array  # (K,)
     nodes: Array  # (K, 3)
     elements: dict[str, Array]
-    materials: dict[str, Material]
+    materials: dict[str, DeckMaterial]
 
 
 def read_deck(deck: str | PathLike[str]) -> Deck:
-    """Nodes, solids and materials of an input deck.
+    """The nodes, solids and materials of an input deck.
 
     Raises InputError where it is missing, damaged, or has masses on points.
     """
     path = Path(deck)
-    places: dict[int, list[float]] = {}
-    elements: dict[str, list[list[int]]] = {}
-    materials: dict[str, Material] = {}
-    current = ""
-    try:
-        for keyword, options, data in blocks(path, DEEPEST):
-            if keyword == "NODE":
-                places.update((int(row[0]), [float(value or 0) for value in row[1:4]]) for row in data)
-            elif keyword == "ELEMENT":
-                kind = solid_of(path.name, options.get("TYPE", ""))
-                if kind:
-                    elements.setdefault(kind, []).extend(rows_of(kind, data))
-            elif keyword == "MATERIAL":
-                current = options["NAME"].upper()
-                materials[current] = Material(None, None)
-            elif keyword in ("DENSITY", "ELASTIC"):
-                field = {"DENSITY": "density", "ELASTIC": "young"}[keyword]
-                if keyword == "DENSITY" or options.get("TYPE", "ISO").upper().startswith("ISO"):
-                    materials[current] = materials[current]._replace(**{field: float(data[0][0])})
-            elif keyword in ("MASS", "ROTARYINERTIA"):
-                raise InputError(
-                    f"inp {path.name} has *{keyword} on points, which is not read here; give the platform "
-                    f"without it, and add it by FlexibleBody.with_payload"
-                )
-    except (ValueError, IndexError, KeyError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"inp {path.name} is damaged ({briefly(error)}); correct it") from None
+    with refusing(f"inp {path.name} is damaged ({{}}); correct it", ValueError, IndexError, KeyError):
+        found = list(keywords(path, DEEPEST))
+        places = {
+            int(row[0]): [float(value or 0) for value in row[1:4]]
+            for keyword in found
+            if keyword.name == "NODE"
+            for row in keyword.data
+        }
+        elements: dict[str, list[list[int]]] = {}
+        for _, options, data in (keyword for keyword in found if keyword.name == "ELEMENT"):
+            kind = solid_of(path.name, options.get("TYPE", ""))
+            if kind:
+                elements.setdefault(kind, []).extend(rows_of(kind, data))
+        materials = materials_of(path.name, found)
     table = np.array([[*xyz, *[0.0] * (3 - len(xyz))] for xyz in places.values()]).reshape(-1, 3)
     if len(table) == 0 or not np.all(np.isfinite(table)):
         raise InputError(
@@ -100,32 +86,45 @@ def read_deck(deck: str | PathLike[str]) -> Deck:
     )
 
 
-def blocks(path: Path, depth: int) -> Iterator[Block]:
+def materials_of(name: str, found: list[Keyword]) -> dict[str, DeckMaterial]:
+    """The isotropic materials by name. Raises InputError where a deck has masses on points."""
+    materials: dict[str, DeckMaterial] = {}
+    current = ""
+    for keyword, options, data in found:
+        if keyword == "MATERIAL":
+            current = options["NAME"].upper()
+            materials[current] = DeckMaterial()
+        elif keyword == "DENSITY":
+            materials[current] = materials[current]._replace(density=float(data[0][0]))
+        elif keyword == "ELASTIC" and options.get("TYPE", "ISO").upper().startswith("ISO"):
+            materials[current] = materials[current]._replace(young=float(data[0][0]))
+        elif keyword in ("MASS", "ROTARYINERTIA"):
+            raise InputError(
+                f"inp {name} has *{keyword} on points, which is not read here; give the platform "
+                f"without it, and add it by FlexibleBody.with_payload"
+            )
+    return materials
+
+
+def keywords(path: Path, depth: int) -> Iterator[Keyword]:
     """The keywords of a deck and of those it includes."""
-    try:
-        lines = path.read_text(encoding="latin-1").splitlines()
-    except OSError as error:
-        raise InputError(f"inp {path} cannot be read: {error.strerror or error}") from None
-    block = Block("", {}, [])
-    for line in lines:
+    keyword = Keyword("", {}, [])
+    for line in read("inp", path).decode("latin-1").splitlines():
         if line.startswith("**") or not line.strip():
             continue
+        fields = [field.strip() for field in line.removeprefix("*").split(",")]
         if not line.startswith("*"):
-            block.data.append([field.strip() for field in line.split(",")])
+            keyword.data.append(fields)
             continue
-        yield block
-        keyword, *options = (field.strip() for field in line[1:].split(","))
-        pairs = (option.partition("=") for option in options)
-        block = Block(
-            keyword.upper().replace(" ", ""),
-            {key.strip().upper(): value.strip() for key, _, value in pairs},
-            [],
-        )
-        if block.keyword == "INCLUDE":
+        yield keyword
+        pairs = (option.partition("=") for option in fields[1:])
+        options = {key.strip().upper(): value.strip() for key, _, value in pairs}
+        keyword = Keyword(fields[0].upper().replace(" ", ""), options, [])
+        if keyword.name == "INCLUDE":
             if depth == 0:
                 raise InputError(f"inp {path.name} includes files that include one another without end")
-            yield from blocks(path.parent / block.options["INPUT"].strip("\"'"), depth - 1)
-    yield block
+            yield from keywords(path.parent / options["INPUT"].strip("\"'"), depth - 1)
+    yield keyword
 
 
 def solid_of(name: str, kind: str) -> str:
@@ -142,7 +141,7 @@ def solid_of(name: str, kind: str) -> str:
 
 
 def rows_of(kind: str, data: list[list[str]]) -> list[list[int]]:
-    """Node numbers of each element, whose lines may go on in the next ones."""
+    """The node numbers of each element, whose lines may go on in the next ones."""
     count = len(ELEMENTS[kind].points) + 1
     numbers = [int(field) for row in data for field in row if field]
     if len(numbers) % count:
@@ -151,6 +150,6 @@ def rows_of(kind: str, data: list[list[str]]) -> list[list[int]]:
 
 
 def in_order(kind: str, rows: list[list[int]]) -> Array:
-    """(E, n), in Nastran's order of the nodes."""
+    """The elements (E, n) in Nastran's order of the nodes."""
     table = np.array(rows)
     return table[:, ABAQUS_ORDER[kind]] if kind in ABAQUS_ORDER else table

@@ -12,13 +12,11 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.fe.imports.foreign import briefly
+from parflex.fe.body.elements import ELEMENTS
+from parflex.fe.imports.foreign import BEYOND, SAME, read, refusing
 
 KINDS = {1: "hex8", 2: "wedge6", 3: "tet4", 4: "hex20", 5: "wedge15", 6: "tet10"}
-COUNTS = {1: 8, 2: 6, 3: 4, 4: 20, 5: 15, 6: 10}
-BEYOND = 1e30  # what no displacement or coordinate is
 LONG = 1  # the format with numbers of ten digits
-SAME = 1e-4  # numbers that the file holds twice
 
 
 class FrdElement(NamedTuple):
@@ -30,7 +28,7 @@ class FrdElement(NamedTuple):
 
 
 class FrdModes(NamedTuple):
-    """What an frd file says of modes, in its own units."""
+    """The modes of an frd file, in its own units."""
 
     ids: Array  # (K,)
     nodes: Array  # (K, 3)
@@ -61,24 +59,18 @@ def read_frd(path: Path) -> FrdModes:
 
     Raises InputError where the file is missing, damaged, binary, or without modes.
     """
-    try:
-        text = path.read_bytes().replace(b"\r\n", b"\n")
-    except OSError as error:
-        raise InputError(f"frd {path} cannot be read: {error.strerror or error}") from None
+    text = read("frd", path).replace(b"\r\n", b"\n")
     if not text.startswith(b"    1C"):
         raise InputError(
             f"frd {path.name} is no result file of CalculiX; give the .frd file of a *FREQUENCY step"
         )
-    try:
-        found = list(blocks(path.name, text.split(b"\n")))
-        ids, nodes = table(path.name, only(path.name, found, b"    2C"))
-        elements = read_elements(path.name, only(path.name, found, b"    3C"))
-        modes = list(read_modes(path.name, found, ids))
-        return collected(path.name, ids, nodes, elements, materials_of(found), modes)
-    except (ValueError, IndexError, KeyError) as error:
-        if isinstance(error, InputError):
-            raise
-        raise InputError(f"frd {path.name} is damaged ({briefly(error)}); write it again") from None
+    name = path.name
+    with refusing(f"frd {name} is damaged ({{}}); write it again", ValueError, IndexError, KeyError):
+        found = list(blocks(name, text.split(b"\n")))
+        ids, nodes = table(name, only(name, found, b"    2C"))
+        elements = read_elements(name, only(name, found, b"    3C"))
+        modes = list(mode_blocks(name, found, ids))
+        return collected(name, ids, nodes, elements, materials_of(found), modes)
 
 
 def blocks(name: str, lines: Sequence[bytes]) -> Iterator[Block]:
@@ -113,12 +105,12 @@ def only(name: str, found: Sequence[Block], key: bytes) -> Block:
 
 
 def materials_of(found: Sequence[Block]) -> dict[int, str]:
-    """Names of materials by their numbers."""
+    """The names of materials by their numbers."""
     heads = [block.head for block in found if block.head.startswith(b"    1UMAT")]
     return {int(head[9:14]): head[14:].decode("latin-1").strip().upper() for head in heads}
 
 
-def read_modes(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[Mode, Array]]:
+def mode_blocks(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[Mode, Array]]:
     """The modes, each told of in lines before its displacements (K, 3)."""
     told: dict[str, float] = {}
     announced = given = 0
@@ -139,7 +131,7 @@ def read_modes(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[
 
 
 def table(name: str, block: Block) -> tuple[Array, Array]:
-    """Node numbers (K,) and three values each (K, 3), of as many lines as the head says."""
+    """The node numbers (K,) and three values each (K, 3), of as many lines as the head says."""
     count = int(block.head[24:36])
     if len(block.lines) != count or any(len(row) != 49 or row[:3] != b" -1" for row in block.lines):
         raise InputError(f"frd {name} is damaged where {count} nodes are expected; write it again")
@@ -163,12 +155,13 @@ def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
                 f"solids that CalculiX makes of them: *NODE FILE, OUTPUT=3D"
             )
         nodes: list[int] = []
-        while len(nodes) < COUNTS[kind]:
+        count = len(ELEMENTS[KINDS[kind]].points)
+        while len(nodes) < count:
             line = next(rest, b"")
             if not line.startswith(b" -2"):
                 raise InputError(f"frd {name} is damaged in an element; write it again")
             nodes += [int(line[k : k + 10]) for k in range(3, len(line), 10)]
-        if not len(nodes) == len(set(nodes)) == COUNTS[kind]:
+        if not len(nodes) == len(set(nodes)) == count:
             raise InputError(f"frd {name} has an element with a node twice or too many; write it again")
         found.append(FrdElement(KINDS[kind], material, tuple(nodes)))
     if len(found) != int(block.head[24:36]):
@@ -177,7 +170,7 @@ def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
 
 
 def mode_of(name: str, line: bytes, told: dict[str, float]) -> Mode:
-    """Number, ω² and modal mass of a mode; the file says ω² as a frequency, too."""
+    """The number, ω² and modal mass of a mode; the file says ω² as a frequency, too."""
     frequency, mass, stiffness = float(line[12:24]), told["PGM"], told["PGK"]
     square = stiffness / mass
     if not mass > 0 or abs((2 * np.pi * frequency) ** 2 - max(square, 0.0)) > SAME * abs(square) + 1e-12:

@@ -9,7 +9,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.fe.imports.foreign import briefly
+from parflex.fe.imports.foreign import refusing
 from parflex.fe.imports.nastran.pyyeti import nastran
 from parflex.fe.imports.unit_systems import Units
 
@@ -59,14 +59,13 @@ def cards_of(path: Path) -> dict[str, list[Card]]:
     """All cards of a file and of those it includes, by name."""
     rdcards = nastran("bulk").rdcards
     options = {"regex": True, "return_var": "list", "blank": "", "encoding": "latin-1"}
-    try:
-        first = rdcards(str(path), CARDS, keep_name=True, **options) or []
-        names = {str(card[0]).rstrip("*").strip().upper() for card in first}
-        # names and fields apart: with both, pyYeti 1.4 misplaces the fields of continued free-format cards
-        return {
-            name: rdcards(str(path), rf"^{re.escape(name)}\s*([*,\s]|$)", **options) or [] for name in names
-        }
-    except OSError as error:
-        raise InputError(f"bulk {error.filename or path} cannot be read: {error.strerror or error}") from None
-    except Exception as error:  # pyYeti raises many kinds for a damaged file
-        raise InputError(f"bulk {path.name} cannot be read ({briefly(error)}); write it again") from None
+    with refusing(f"bulk {path.name} cannot be read ({{}}); write it again", Exception):
+        try:
+            first = rdcards(str(path), CARDS, keep_name=True, **options) or []
+            names = {str(card[0]).rstrip("*").strip().upper() for card in first}
+            # names and fields apart: with both, pyYeti 1.4 misplaces fields of continued free-format cards
+            return {n: rdcards(str(path), rf"^{re.escape(n)}\s*([*,\s]|$)", **options) or [] for n in names}
+        except OSError as error:
+            raise InputError(
+                f"bulk {error.filename or path} cannot be read: {error.strerror or error}"
+            ) from None

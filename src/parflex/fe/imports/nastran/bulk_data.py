@@ -8,9 +8,10 @@ from scipy import sparse
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.fe.body.elements import ELEMENTS, mass_matrix, surface
-from parflex.fe.body.free_body import Sparse
-from parflex.fe.imports.foreign import briefly
+from parflex.fe.body.elements import ELEMENTS, mass_matrix
+from parflex.fe.body.integrals import Sparse
+from parflex.fe.body.surface import surface
+from parflex.fe.imports.foreign import refusing
 from parflex.fe.imports.nastran.bulk_cards import Bulk, cards_of
 from parflex.fe.imports.nastran.bulk_masses import SHAPES, carried, elements
 from parflex.fe.imports.nastran.pyyeti import nastran
@@ -41,7 +42,7 @@ class BulkModel(NamedTuple):
 
     @property
     def offset(self) -> Array:
-        """(K, 3) m from the carrying grid."""
+        """The arms (K, 3) m from the carrying grids."""
         return self.nodes - self.nodes[self.carrier]
 
 
@@ -80,7 +81,7 @@ def read_bulk(path: Path, units: Units) -> BulkModel:
 
 
 def check_whole(bulk: Bulk) -> None:
-    """No superelements, no elements of unknown mass, no grid twice."""
+    """Raise InputError for part of a file, for superelements, and for elements of unknown mass."""
     if not bulk.of("ENDDATA"):
         raise InputError(
             f"bulk {bulk.name} has no ENDDATA; it is cut short, or not the main file: give all of it"
@@ -105,7 +106,7 @@ def check_whole(bulk: Bulk) -> None:
 
 
 def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
-    """Ids (K,), places (K, 3) m, and the turns (K, 3, 3) from output to basic components."""
+    """The ids (K,), places (K, 3) m, and the turns (K, 3, 3) from output to basic components."""
     table = np.array([bulk.fields(card, 0, 6, "GRID") for card in bulk.of("GRID")])
     table = table[np.argsort(table[:, 0], kind="stable")]
     ids = table[:, 0].astype(int)
@@ -115,15 +116,14 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
         raise InputError(f"bulk {bulk.name} has GRID {ids[:-1][np.diff(ids) == 0][0]} twice; keep one")
     if not np.any(table[:, [1, 5]]):
         return ids, bulk.units.length * table[:, 2:5], np.broadcast_to(np.eye(3), (len(ids), 3, 3))
-    try:
+    with refusing(
+        f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2; write the "
+        f"grids in basic coordinates ({{}})",
+        Exception,
+    ):
         uset = nastran("bulk").bulk2uset(str(path), encoding="latin-1")[0]
         blocks = nastran("n2p").rbgeom_uset(uset).reshape(-1, 6, 6)
         places = uset.loc[(slice(None), 1), ["x", "y", "z"]].to_numpy(dtype=float)
         if blocks.shape[0] != len(ids) or places.shape != (len(ids), 3):
             raise ValueError(f"{len(ids)} grids, {len(blocks)} of them placed")
-    except Exception as error:
-        raise InputError(
-            f"bulk {bulk.name} places grids in a coordinate system that is not there or not CORD2; write the "
-            f"grids in basic coordinates ({briefly(error)})"
-        ) from None
     return ids, bulk.units.length * places, np.swapaxes(blocks[:, 3:, 3:], 1, 2)

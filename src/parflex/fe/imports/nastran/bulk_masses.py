@@ -1,4 +1,4 @@
-"""What weighs in Nastran's bulk data: elements by their properties and materials, and CONM2 cards."""
+"""The masses in Nastran's bulk data: elements by their properties and materials, and CONM2 cards."""
 
 from collections.abc import Iterator, Sequence
 from typing import Any
@@ -30,7 +30,7 @@ SECTIONS = {"PROD": (1, 2, 5), "PBAR": (1, 2, 6)}  # material, area, non-structu
 
 
 def elements(bulk: Bulk, number: dict[int, int]) -> Iterator[Elements]:
-    """Elements that weigh, by kind, with their density per measure in SI."""
+    """The elements that weigh, by kind, with their density per measure in SI."""
     properties = bulk.by_id("PSHELL", "PCOMP", "PSOLID", *SECTIONS)
     materials = bulk.by_id(*DENSITY_FIELD)
     made: dict[int, tuple[int, float]] = {}
@@ -78,7 +78,7 @@ def nodes_of(bulk: Bulk, name: str, card: Card, kinds: Sequence[str], first: int
 
 
 def check_flat(bulk: Bulk, name: str, card: Card) -> None:
-    """No shell is beside its nodes or of its own thickness."""
+    """Raise InputError where a shell is beside its nodes or of its own thickness."""
     at = {"CQUAD4": 7, "CQUADR": 7, "CTRIA3": 6, "CTRIAR": 6}.get(name)
     if at is not None and np.any(bulk.fields(card, at, 7, name)):
         raise InputError(
@@ -90,7 +90,7 @@ def check_flat(bulk: Bulk, name: str, card: Card) -> None:
 def per_measure(
     bulk: Bulk, element: str, pid: int, properties: dict[int, Any], materials: dict[int, Any]
 ) -> tuple[int, float]:
-    """Dimension, and density per volume, area or length, of a property."""
+    """The dimension of a property, and its density per volume, area or length."""
     if pid not in properties:
         raise InputError(
             f"bulk {bulk.name}: {element} uses property {pid}, which is not there or not known here"
@@ -110,7 +110,7 @@ def per_measure(
 
 
 def plies(bulk: Bulk, card: Card) -> Iterator[tuple[float, float]]:
-    """Material and thickness of each ply of a PCOMP; blank ones are those of the ply before."""
+    """The material and thickness of each ply of a PCOMP; blank ones are those of the ply before."""
     material = thickness = 0.0
     for at in range(8, len(card), 4):
         if all(field == "" for field in card[at : at + 3]):
@@ -121,7 +121,7 @@ def plies(bulk: Bulk, card: Card) -> Iterator[tuple[float, float]]:
 
 
 def density(bulk: Bulk, mid: int, materials: dict[int, Any]) -> float:
-    """Of a material, in the file's units; raises InputError where no material is like that."""
+    """The density of a material, in the file's units; raises InputError where no material is like that."""
     if mid not in materials:
         raise InputError(f"bulk {bulk.name} uses material {mid}, which is not there or not known here")
     name, card = materials[mid]

@@ -1,6 +1,5 @@
 """Modes from Nastran: bulk data for nodes and masses, OP2 for the modes."""
 
-from collections.abc import Callable
 from os import PathLike
 from pathlib import Path
 
@@ -9,14 +8,17 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.progress import waiting
+from parflex.fe.body.basis import ComputedModes
+from parflex.fe.body.integrals import RigidBody
 from parflex.fe.imports.acceptance import accepted
-from parflex.fe.imports.imported import ImportedModes, RigidBody, cosines, inner, rigid_body
+from parflex.fe.imports.free_checks import at_rest
+from parflex.fe.imports.imported import ImportedModes, cosines, inner, rigid_body_of
+from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.nastran.bulk_data import BulkModel, read_bulk
 from parflex.fe.imports.nastran.op2 import Op2Modes, read_op2
 from parflex.fe.imports.unit_systems import Units, units_named
-from parflex.robot.modes import Modes
 
-SINGLE = 1e-6  # what single precision leaves of ΦᵀMΦ, with room to spare
+SINGLE = 1e-6  # error that single precision leaves in ΦᵀMΦ, with room to spare
 LIKE_ONE = 0.1  # modal masses of the slowest modes this near to one are meant to be one
 
 
@@ -24,14 +26,13 @@ def read_nastran(
     op2: str | PathLike[str],
     bulk: str | PathLike[str] | None = None,
     units: str = "",
-    say: Callable[[str], None] = print,
-) -> Modes:
+) -> ComputedModes:
     """The elastic modes of a free platform that Nastran computed (SOL 103), MASS- or MAX-normalised.
 
     op2 holds the modes (PARAM,POST,-1 and DISPLACEMENT(PLOT) = ALL), bulk the nodes and masses; units
     of both: "SI", "mm-tonne-s", "in-lbf" and others. Masses are those of shells, solids, rods, bars
     and CONM2 cards, lumped or, with PARAM,COUPMASS,1 and for elements with midside nodes, consistent.
-    The check report is `modes.report`; `say` prints it.
+    The check report is `modes.report`.
 
     Raises InputError where a file is damaged or of another model, the model is held or in
     superelements, masses are not known, or the units make a material that nothing has.
@@ -46,15 +47,12 @@ def read_nastran(
                 f"that Nastran solved"
             )
         model = read_bulk(Path(bulk), system)
-        found = accepted(together(f"{Path(op2).name} and {Path(bulk).name}", modes, model, system))
-    say(str(found.report))
-    return found
+        return accepted(together(f"{Path(op2).name} and {Path(bulk).name}", modes, model, system))
 
 
 def check_not_held(name: str, modes: Op2Modes) -> None:
-    """No node stays where it is in all modes."""
-    size = np.max(np.abs(modes.shapes), axis=(1, 2), keepdims=True)
-    still = np.flatnonzero(np.all(np.abs(modes.shapes) <= 1e-9 * size, axis=(0, 2)))
+    """Raise InputError where a node stays in its place in all modes."""
+    still = at_rest(modes.shapes)
     if len(still) and np.all(np.isfinite(modes.shapes)):
         raise InputError(
             f"op2 {name} is of a model that is held, not free: node {modes.ids[still[0]]} moves in no mode; "
@@ -63,7 +61,7 @@ def check_not_held(name: str, modes: Op2Modes) -> None:
 
 
 def together(name: str, modes: Op2Modes, model: BulkModel, units: Units) -> ImportedModes:
-    """Modes on the nodes of the bulk data, in SI units and basic components."""
+    """The modes on the nodes of the bulk data, in SI units and basic components."""
     grids = model.ids[model.ids > 0]
     if not np.array_equal(modes.ids, grids):
         apart = np.setxor1d(modes.ids, grids)
@@ -139,5 +137,8 @@ def weighed(modes: Op2Modes, model: BulkModel, units: Units) -> RigidBody | None
         return None
     scale = np.array([1.0] * 3 + [units.length] * 3)
     inertia = model.weight_to_mass * units.mass * np.outer(scale, scale) * modes.weights
-    body = rigid_body(inertia)
+    body = rigid_body_of(inertia)
     return body._replace(com=body.com + model.reference)
+
+
+IMPORTER = Importer("nastran", read_nastran, ("op2", "bulk"))

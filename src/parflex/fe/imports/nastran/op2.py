@@ -9,18 +9,17 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.fe.imports.foreign import BEYOND, SAME, read
 from parflex.fe.imports.nastran.pyyeti import nastran
 
 DISPLACEMENTS = ("OUGV1", "OUG1", "BOUGV1", "BOPHIG")  # the last two in the basic coordinate system
 SUPERELEMENTS = ("SELIST", "EMAP", "MAPS", "GEOM1S", "BGPDTS", "EQEXINS")
 REAL_MODES = 2  # approach code
 TABLES = (1, 7)  # table codes of displacements and eigenvectors
-BEYOND = 1e30  # what no displacement, rotation or eigenvalue is
-SAME = 1e-4  # numbers that the file holds twice
 
 
 class Op2Modes(NamedTuple):
-    """What an OP2 file says of modes, in its own units and output coordinate systems."""
+    """The modes of an OP2 file, in its own units and output coordinate systems."""
 
     ids: Array  # (K,)
     shapes: Array  # (P, K, 3)
@@ -63,14 +62,11 @@ def read_op2(path: Path) -> Op2Modes:
 
 
 def check_frame(path: Path) -> Words:
-    """Byte order and word size of a file whose records all fit.
+    """The byte order and word size of a file whose records all fit.
 
     After a key n > 0 comes a record of n words, else another key; each between its lengths.
     """
-    try:
-        data = path.read_bytes()
-    except OSError as error:
-        raise InputError(f"op2 {path} cannot be read: {error.strerror or error}") from None
+    data = read("op2", path)
     for order in "<>":
         if len(data) >= 4 and (size := struct.unpack(order + "i", data[:4])[0]) in (4, 8):
             break
@@ -135,7 +131,7 @@ def modes_in(name: str, file: Any, words: Words) -> Op2Modes:
 def displacements(
     name: str, file: Any, table: str, words: Words
 ) -> Iterator[tuple[int, float, Array, Array]]:
-    """Number, ω², node numbers (K,) and motion (K, 6) of each mode."""
+    """The number, ω², node numbers (K,) and motion (K, 6) of each mode."""
     for block in file.dbdct[table]:
         file.set_position(block.start)
         file.rdop2nt()
@@ -160,7 +156,7 @@ def displacements(
 
 
 def generalised_masses(name: str, file: Any, squares: Array, words: Words) -> Array | None:
-    """(P,) from the table of real eigenvalues; None where there is none.
+    """The modal masses (P,) from the table of real eigenvalues; None where there is none.
 
     It says λ, ω, f, μ and λ μ, of which only λ and μ are news: the rest tells whether it is whole.
     """

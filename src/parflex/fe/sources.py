@@ -6,12 +6,11 @@ from pathlib import Path
 from numpy.typing import ArrayLike
 
 from parflex.base.errors import InputError
-from parflex.fe.body.basis import FreeFreeWithAttachment
+from parflex.fe.body.basis import ComputedModes, FreeFreeWithAttachment
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.solid.mesh import SolidMesh
 from parflex.fe.solid.mesh_file import read_mesh
 from parflex.fe.solid.netgen_mesh import step_mesh
-from parflex.robot.modes import Modes
 
 RIGHT = 0.01  # relative error of the basis of a platform whose basis is not chosen
 
@@ -23,11 +22,11 @@ def modes(
     radius: float | None = None,
     tolerance: float = RIGHT,
     up_to: float | None = None,
-) -> Modes:
+) -> ComputedModes:
     """The modes of a platform in the basis that is right for its joints.
 
     points are the joints, tool is where wrenches act, radius that of a solid's patches, as in
-    `FreeFreeWithAttachment`; tolerance and up_to as in `Modes.converged`.
+    `FreeFreeWithAttachment`; tolerance and up_to as in `converged`.
 
     Raises InputError and NotConverged as they do.
     """

@@ -1,10 +1,11 @@
-"""Units of length: those that files are said to have, and those that STEP files name."""
+"""Units of length: those that a user names, and those that STEP files name."""
 
 import re
 
 from parflex.base.errors import InputError
 
-LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "inch": 0.0254, "in": 0.0254, "ft": 0.3048}
+INCH, FOOT = 0.0254, 0.3048  # m, by definition
+LENGTHS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "um": 1e-6, "inch": INCH, "in": INCH, "ft": FOOT}
 
 SI_LENGTH = re.compile(
     r"LENGTH_UNIT\s*\(\s*\)[^;]*?SI_UNIT\s*\(\s*(?:\.(\w+)\.|\$)\s*,\s*\.METRE\.\s*\)|"
@@ -15,7 +16,7 @@ OTHER_LENGTH = re.compile(
     r"LENGTH_UNIT[^;]*?CONVERSION_BASED_UNIT\s*\(\s*'(\w+)'"
 )
 PREFIXES = {"": 1.0, "MILLI": 1e-3, "CENTI": 1e-2, "DECI": 0.1, "MICRO": 1e-6, "KILO": 1e3}
-INCHES = {"INCH": 0.0254, "IN": 0.0254, "FOOT": 0.3048, "FT": 0.3048}
+ENGLISH = {"INCH": INCH, "IN": INCH, "FOOT": FOOT, "FT": FOOT}
 
 
 def length_unit(name: str, unit: str) -> float:
@@ -29,6 +30,6 @@ def unit_of_step(text: str) -> float | None:
     """Metres in the unit of length that a STEP file's data names."""
     other = OTHER_LENGTH.search(text)
     if other is not None:
-        return INCHES.get((other[1] or other[2]).upper())
+        return ENGLISH.get((other[1] or other[2]).upper())
     found = SI_LENGTH.search(text)
     return None if found is None else PREFIXES.get((found[1] or found[2] or "").upper())

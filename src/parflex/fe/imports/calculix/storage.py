@@ -1,0 +1,76 @@
+"""Stiffness and mass matrices that CalculiX stored."""
+
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.base.progress import waiting
+from parflex.fe.body.free_body import FreeBody
+from parflex.fe.body.integrals import Sparse
+from parflex.fe.body.surface import surface
+from parflex.fe.imports.calculix.calculix import numbered
+from parflex.fe.imports.calculix.deck import Deck, read_deck
+from parflex.fe.imports.foreign import lines_of, refusing
+from parflex.fe.imports.importer import Importer
+from parflex.fe.imports.matrices import coordinates, free_body
+from parflex.fe.imports.unit_systems import check_material, units_named
+
+
+def calculix_body(matrices: str | PathLike[str], inp: str | PathLike[str], units: str = "") -> FreeBody:
+    """The free body of the stiffness and mass matrices that CalculiX wrote.
+
+    matrices names the files of *FREQUENCY, SOLVER=MATRIXSTORAGE: job.sti for job.sti, job.mas and job.dof;
+    inp is the deck. A basis makes modes of it: `pf.fe.FreeFreeWithAttachment(9, points).modes(body)`. The
+    check report is `body.report`.
+
+    Raises InputError where a file is missing, damaged or of another model, or the model is held.
+    """
+    system = units_named(units)
+    job = Path(matrices)
+    with waiting("reading the matrices of CalculiX"):
+        deck = read_deck(Path(inp))
+        for name, (rho, young) in deck.materials.items():
+            check_material(f"material {name} of inp", rho or 0.0, young, system)
+        unknowns = degrees(job.with_suffix(".dof"))
+        K, M = (triangle(job.with_suffix(suffix), len(unknowns)) for suffix in (".sti", ".mas"))
+        ids = np.unique(unknowns[:, 0])
+        number = {int(node): k for k, node in enumerate(ids)}
+        parts = [(kind, numbered(rows.tolist(), number)) for kind, rows in deck.elements.items()]
+        return free_body(
+            ids=ids,
+            nodes=places(job.stem, ids, deck),
+            stiffness=K,
+            mass=M,
+            unknowns=np.column_stack([numbered(unknowns[:, :1].tolist(), number), unknowns[:, 1] - 1]),
+            triangles=surface(parts),
+            source=f"CalculiX, {job.stem}.sti, .mas, {units}",
+            units=system,
+        )
+
+
+def places(name: str, ids: Array, deck: Deck) -> Array:
+    """The coordinates (K, 3) of nodes by id, in the deck's unit."""
+    row = {int(node): k for k, node in enumerate(deck.ids)}
+    missing = [node for node in ids.tolist() if node not in row]
+    if missing:
+        raise InputError(f"{name}.dof has node {missing[0]}, which inp has not; give the files of one model")
+    return deck.nodes[[row[node] for node in ids.tolist()]]
+
+
+def degrees(path: Path) -> Array:
+    """The node and direction (n, 2) of each unknown, from lines such as 12.3."""
+    lines = lines_of("matrices", path)
+    with refusing(f"matrices {path.name} is damaged ({{}}); write it again", ValueError):
+        rows = [line.split(".") for line in lines if line.strip()]
+        return np.array([[int(node), int(direction)] for node, direction in rows]).reshape(-1, 2)
+
+
+def triangle(path: Path, size: int) -> Sparse:
+    """The symmetric matrix (n, n) of lines of row, column, value of one triangle, counted from 1."""
+    return coordinates("matrices", path, lines_of("matrices", path), size, symmetric=True)
+
+
+IMPORTER = Importer("calculix-matrices", calculix_body, ("matrices", "inp"))
