@@ -129,6 +129,17 @@ def reference() -> str:
     return "\n\n".join(f"# {title}\n\n" + "\n\n".join(found) for title, found in chapters.items())
 
 
+def variables() -> str:
+    """Every variable of a result."""
+    from parflex.simulation.variables import ALL_VARIABLES
+
+    def row(name: str, dims: tuple[str, ...], units: Any, words: str) -> tuple[str, ...]:
+        return f"`{name}`", ", ".join(dims), units if isinstance(units, str) else "N, or N m", words
+
+    rows = [row(each.name, each.dims, each.units, each.words) for each in ALL_VARIABLES]
+    return table(("variable", "dimensions", "unit", ""), rows)
+
+
 def table(heads: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> str:
     """Markdown; bars in cells are told apart from those of the table."""
     lines = [heads, ("---",) * len(heads), *rows]
@@ -140,4 +151,5 @@ MARKS = {
     "<!-- errata -->": lambda: table(("where", "what is wrong"), equations.errata()),
     "<!-- verification -->": verification,
     "<!-- reference -->": reference,
+    "<!-- variables -->": variables,
 }

@@ -8,8 +8,8 @@ import xarray as xr
 
 import parflex as pf
 import solid_plates
-from parflex.views.viewer.layout import LAYOUT
-from parflex.views.viewer.opening import NEEDED, WORDS, judged
+from parflex.views.viewer.layout import KNOWN
+from parflex.views.viewer.opening import MISSED, NEEDED, judged
 from parflex.views.viewer.page import packed, page_of
 from parflex.views.viewer.parts import Legs, legs_of, parts_of, shares
 from parflex.views.viewer.scene import MOST_INSTANTS, scene_of
@@ -240,13 +240,13 @@ SPOILT = (dropped, of_other_dimensions, of_another_kind, without_units, with_a_h
 def test_spoilt_variables_are_told_and_the_rest_is_shown(run_of_paper, spoil):
     """Each variable in turn; a robot is left but where nothing tells where its platform is."""
     whole = run_of_paper.dataset
-    names = set(LAYOUT) & set(whole.variables)
+    names = {each.name for each in KNOWN} & set(whole.variables)
     told, blank = set(), set()
     for name in names:
         result = judged(spoil(whole, name))
         told |= {name} & set(re.findall(r"\((\w+)\)", " ".join(result.notes)))
         blank |= {name} if scene_of(result) is None else set()
-    changed = set() if spoil is without_units else set(WORDS) & names
+    changed = set() if spoil is without_units else set(MISSED) & names
     changed -= {"leg_station"} if spoil is with_a_hole else set()
     assert changed <= told
     assert blank == (set() if spoil in (without_units, with_a_hole) else set(NEEDED))

@@ -175,22 +175,10 @@ def tell_run(result: "Result", pictures: list[Path]) -> None:
 
 
 def summary(result: "Result") -> Table:
-    """What a run can be judged by."""
-    data = result.dataset
+    """The numbers by which a run is judged."""
+    from parflex.simulation.summary import figures_of
+
     table = Table("check", "value", title="The run", title_justify="left")
-    ledger = [name for name in data if str(name).startswith("energy_") and name != "energy_residual"]
-    largest = max(float(abs(data[name]).max()) for name in ledger)
-    if "pose_error" in data:
-        pose = abs(data["pose_error"]).max("time").values
-        table.add_row("largest position error", f"{pose[:3].max():.1e} m")
-        table.add_row("largest attitude error", f"{pose[3:].max():.1e} rad")
-    table.add_row(
-        "largest actuator force", f"{float(abs(data['forces']).max()):.4g} {data['forces'].attrs['units']}"
-    )
-    table.add_row(
-        "largest deformation at an attachment",
-        f"{1e3 * float(abs(data['attachment_deformation']).max()):.2f} mm",
-    )
-    residual = float(abs(data["energy_residual"]).max()) / largest
-    table.add_row("energy balance / largest term", f"{residual:.1e}")
+    for fact in figures_of(result.dataset):
+        table.add_row(fact.name, f"{fact.value:.4g} {fact.unit}")
     return table

@@ -4,9 +4,17 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from parflex.simulation.result import Result
+from parflex.simulation.variables.energy import RESIDUAL
 from parflex.views.plot.canvas import COLOURS, STYLES, curves, figure, legend_right, require, time_label
 
-ENERGIES = ("kinetic", "gravity", "strain", "dissipated", "actuators", "wrenches")
+CURVES = {  # of the energy balance; the joints' springs, which few robots have, are left to the report
+    "energy_kinetic": "kinetic",
+    "energy_gravity": "gravity (change)",
+    "energy_strain": "strain",
+    "energy_dissipated": "dissipated",
+    "energy_actuators": "work of actuators",
+    "energy_wrenches": "work of wrenches",
+}
 
 
 def over_time(result: Result) -> dict[str, Figure]:
@@ -16,7 +24,7 @@ def over_time(result: Result) -> dict[str, Figure]:
         "Accelerations": (accelerations, {"acceleration", "acceleration_error"}),
         "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
         "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
-        "Energy balance": (energy, {f"energy_{name}" for name in (*ENERGIES, "residual")}),
+        "Energy balance": (energy, {*CURVES, RESIDUAL.name}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
     return {
@@ -109,15 +117,13 @@ def energy(result: Result) -> Figure:
     """The energy ledger and the residual of its balance."""
     fig = figure(7.0, 4.6)
     upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    for i, name in enumerate(ENERGIES):
-        data = result.dataset[f"energy_{name}"]
-        words = {"gravity": "gravity (change)", "actuators": "work of actuators"}
-        words["wrenches"] = "work of wrenches"
-        values = data - data[0] if name == "gravity" else data
-        upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i], label=words.get(name, name))
+    for i, (name, words) in enumerate(CURVES.items()):
+        data = result.dataset[name]
+        values = data - data[0] if name == "energy_gravity" else data
+        upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i], label=words)
     upper.set_ylabel("energy (J)")
     legend_right(upper)
-    residual = result.dataset["energy_residual"]
+    residual = result.dataset[RESIDUAL.name]
     lower.plot(residual["time"], residual, color=COLOURS[6], lw=1.0)
     lower.set_ylabel("residual (J)")
     for ax in (upper, lower):

@@ -15,8 +15,11 @@ from parflex.base.errors import InputError
 from parflex.base.version import __version__
 from parflex.base.versions import versions
 from parflex.simulation.result import Result
+from parflex.simulation.summary import figures_of, scope_of
+from parflex.simulation.variables import ALL_VARIABLES
+from parflex.simulation.variables.energy import LEDGER, RESIDUAL
 from parflex.views import plot
-from parflex.views.report.checks import LEDGER, checks_of
+from parflex.views.report.checks import checks_of
 from parflex.views.sketch import instant_of_largest_bend, sketch_of
 from parflex.views.viewer.opening import Opened, opened
 from parflex.views.viewer.scene import finite_part
@@ -31,10 +34,7 @@ SETTINGS = {
 }
 
 
-PICTURED = (
-    "rotation", "position", "elastic", "platform_node", "platform_shape", "attachment_position",
-    "attachment_deformation", "leg_path", "path_attachment", "path_leg", "motor_position",
-)  # fmt: skip
+PICTURED = {each.name for each in ALL_VARIABLES if each.pictured}
 
 
 def report_of(path: str | os.PathLike[str]) -> str:
@@ -93,7 +93,7 @@ def picture(figure: Any) -> str:
 def robot_picture(data: xr.Dataset) -> str:
     """The robot where it bends most; empty where the result does not tell enough of it."""
     whole = finite_part(data)
-    if whole is None or not set(PICTURED) <= set(data):
+    if whole is None or not set(data) >= PICTURED:
         return ""
     data = whole
     index = instant_of_largest_bend(as_result(data))
@@ -111,42 +111,25 @@ def drawable(data: xr.Dataset) -> bool:
 
 def facts(data: xr.Dataset) -> dict[str, str]:
     """What was simulated, and how."""
-    t = data["time"].values
-    found = {"duration": f"{t[-1] - t[0]:.6g} s, {len(t)} instants"}
+    scope = {name: fact.value for name, fact in scope_of(data).items()}
+    found = {"duration": f"{scope['duration']:.6g} s, {scope['instants']} instants"}
     if "leg_station" in data:
         words = ["".join(w for w in row[1:] if w and w != "tip") for row in data["leg_station"].values]
-        found["legs"] = (
-            f"{data.sizes['leg']}: {', '.join(sorted(set(words)))} (* driven), spherical at the tip"
-        )
-    if "actuator" in data.sizes:
-        found["motors"] = str(data.sizes["actuator"])
-    found["platform"] = f"{data.sizes['mode']} elastic modes" if data.sizes.get("mode") else "rigid"
+        kinds = ", ".join(sorted(set(words)))
+        found["legs"] = f"{scope['legs']}: {kinds} (* driven), spherical at the tip"
+    if "motors" in scope:
+        found["motors"] = str(scope["motors"])
+    modes = scope.get("elastic modes", 0)
+    found["platform"] = f"{modes} elastic modes" if modes else "rigid"
     if "gravity" in data.attrs:
         found["gravity"] = f"({', '.join(f'{g:.4g}' for g in np.ravel(data.attrs['gravity']))}) m/s²"
     return found | {words: str(data.attrs[name]) for name, words in SETTINGS.items() if name in data.attrs}
 
 
 def numbers(data: xr.Dataset) -> dict[str, str]:
-    """What a run is judged by first."""
-    found = {}
-    if "forces" in data:
-        largest = np.max(np.abs(data["forces"].values), axis=0)
-        worst = int(np.argmax(largest))
-        who = str(data["actuator_name"].values[worst]) if "actuator_name" in data else f"motor {worst + 1}"
-        found["largest actuator force"] = (
-            f"{float(largest[worst]):.5g} {data['forces'].attrs.get('units', '')} ({who})"
-        )
-    if "contact_forces" in data:
-        largest_contact = np.linalg.norm(data["contact_forces"].values, axis=-1).max(initial=0.0)
-        found["largest force at a spherical joint"] = f"{largest_contact:.5g} N"
-    if "attachment_deformation" in data:
-        bend = np.linalg.norm(data["attachment_deformation"].values, axis=-1).max(initial=0.0)
-        found["largest deformation at an attachment"] = f"{1e3 * bend:.4g} mm"
-    if "pose_error" in data:
-        pose = abs(data["pose_error"]).max("time").values
-        found["largest position error"] = f"{pose[:3].max():.2g} m"
-        found["largest attitude error"] = f"{pose[3:].max():.2g} rad"
-    return found
+    """The numbers by which a run is judged first; those that are checks stand among the checks."""
+    told = [fact for fact in figures_of(data) if fact.unit]
+    return {each.name: f"{each.value:.5g} {each.unit}" + f" ({each.of})" * bool(each.of) for each in told}
 
 
 def modes(data: xr.Dataset) -> list[tuple[str, ...]]:
@@ -164,9 +147,9 @@ def modes(data: xr.Dataset) -> list[tuple[str, ...]]:
 def ledger(data: xr.Dataset) -> list[tuple[str, ...]]:
     """Each energy in words: at the start, at the end, least and most, J."""
     rows = []
-    for name in (*LEDGER, "residual"):
-        if f"energy_{name}" in data:
-            term = data[f"energy_{name}"]
-            values = term.values[[0, -1]].tolist() + [float(term.min()), float(term.max())]
-            rows.append((str(term.attrs.get("long_name", name)), *(f"{value:.5g}" for value in values)))
+    for variable in (*LEDGER, RESIDUAL):
+        if variable.name in data:
+            term = data[variable.name].values
+            values = [term[0], term[-1], np.min(term), np.max(term)]
+            rows.append((variable.words, *(f"{value:.5g}" for value in values)))
     return rows

@@ -10,33 +10,13 @@ import xarray as xr
 from parflex.base.absent import absent
 from parflex.base.errors import InputError
 from parflex.simulation.result import FORMAT
-from parflex.views.viewer.layout import misfits
+from parflex.views.viewer.layout import KNOWN, misfits
 
 NEEDED = ("position", "rotation")  # without these there is no robot to draw
 TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
 
-PER_INSTANT = (
-    "position", "rotation", "elastic", "leg_path", "leg_axis", "attachment_position",
-    "attachment_deformation", "contact_forces",
-)  # fmt: skip
-WORDS = {
-    "time": "the instants",
-    "position": "where the platform is",
-    "rotation": "how the platform is turned",
-    "leg_path": "the legs' points",
-    "leg_axis": "the joints' axes",
-    "leg_station": "the kinds of the joints",
-    "path_leg": "whose the legs' points are",
-    "path_attachment": "what the legs hold",
-    "attachment_position": "where the legs hold the platform",
-    "attachment_deformation": "the deformation where the legs hold the platform",
-    "contact_forces": "the forces at the joints",
-    "elastic": "the elastic coordinates",
-    "platform_node": "the platform's nodes",
-    "platform_shape": "the platform's mode shapes",
-    "platform_triangle": "the platform's surface",
-    "frequency": "the natural frequencies",
-}
+MISSED = {each.name: each.missed for each in KNOWN if each.missed}  # in words
+PER_INSTANT = tuple(each.name for each in KNOWN if each.missed and each.changes)
 
 
 class Opened(NamedTuple):
@@ -100,15 +80,15 @@ def judged(dataset: xr.Dataset) -> Opened:
 
 
 def named(variables: list[str]) -> str:
-    """Variables in words, with their names."""
-    return ", ".join(f"{WORDS[name]} ({name})" if name in WORDS else name for name in variables)
+    """Variables in words with their names; those that no view needs, by their names alone."""
+    return ", ".join(f"{MISSED[name]} ({name})" if name in MISSED else name for name in variables)
 
 
 def incomplete(dataset: xr.Dataset, strange: list[str]) -> list[str]:
     """A sentence about what the view needs and the file lacks, and one about numbers that are none."""
     if not dataset.sizes.get("time", 1):
         return ["No instants: the run ended before its first."]
-    lost = [name for name in WORDS if name not in dataset]
+    lost = [name for name in MISSED if name not in dataset]
     notes = []
     if "platform_triangle" in {*lost, *strange}:
         lost = [name for name in lost if name != "platform_triangle"]

@@ -15,6 +15,7 @@ from jinja2 import Environment
 from parflex.base.array import Array
 from parflex.base.writing import replacing
 from parflex.simulation.result import Result
+from parflex.simulation.summary import scope_of
 from parflex.views import plot
 from parflex.views.viewer.drawing import drawn
 from parflex.views.viewer.opening import Opened, judged, opened
@@ -137,16 +138,16 @@ def packed(arrays: dict[str, Array]) -> tuple[dict[str, dict[str, int]], str]:
 
 def facts_of(result: Opened, name: str) -> list[str]:
     """What was simulated, in a few words each."""
-    data = result.dataset
-    facts = [name] if name else []
+    data, facts = result.dataset, [name] if name else []
     if not data:
         return facts
-    if data.sizes.get("leg") and data.sizes.get("actuator"):
-        facts.append(f"{data.sizes['leg']} legs, {data.sizes['actuator']} motors")
-    modes = data.sizes.get("mode", 0)
+    scope = {name: fact.value for name, fact in scope_of(data).items()}
+    if scope.get("legs") and scope.get("motors"):
+        facts.append(f"{scope['legs']} legs, {scope['motors']} motors")
+    modes = scope.get("elastic modes", 0)
     facts.append(f"{modes} elastic modes" if modes else "rigid platform")
-    if data.sizes.get("time") and "time" in data.coords:
-        facts.append(f"{float(data['time'][-1] - data['time'][0]):.4g} s simulated")
+    if "duration" in scope:
+        facts.append(f"{scope['duration']:.4g} s simulated")
     return [*facts, f"parflex {data.attrs.get('parflex_version', '?')}"]
 
 

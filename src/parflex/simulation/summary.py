@@ -1,0 +1,82 @@
+"""The facts of a run that are told first, by whoever shows it."""
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+import xarray as xr
+
+from parflex.base.array import Array
+from parflex.simulation.variables.energy import LEDGER, RESIDUAL
+
+
+class Fact(NamedTuple):
+    """One number with its name and unit; `of` says whose it is, where there are several."""
+
+    name: str
+    value: float
+    unit: str = ""
+    of: str = ""
+
+
+def scope_of(data: xr.Dataset) -> dict[str, Fact]:
+    """How much was simulated, by name: duration, instants, legs, motors, elastic modes."""
+    counts = {"instants": "time", "legs": "leg", "motors": "actuator", "elastic modes": "mode"}
+    found = [Fact(name, data.sizes[dim]) for name, dim in counts.items() if dim in data.sizes]
+    if "time" in data.coords and data.sizes["time"]:
+        found.append(Fact("duration", float(data["time"][-1] - data["time"][0]), "s"))
+    return {fact.name: fact for fact in found}
+
+
+def figures_of(data: xr.Dataset) -> list[Fact]:
+    """The numbers by which a run is judged, as far as its variables tell them."""
+    return [fact for needed, tell in FIGURES.items() if needed in data for fact in tell(data)]
+
+
+def errors(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest differences from the trajectory."""
+    pose = np.abs(data["pose_error"].values)
+    yield Fact("largest position error", np.max(pose[:, :3], initial=0.0), "m")
+    yield Fact("largest attitude error", np.max(pose[:, 3:], initial=0.0), "rad")
+
+
+def actuator_force(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest force of an actuator, and which it is."""
+    largest = np.max(np.abs(data["forces"].values), axis=0, initial=0.0)
+    if largest.size:
+        worst = int(np.argmax(largest))
+        name = str(data["actuator_name"].values[worst]) if "actuator_name" in data else f"motor {worst + 1}"
+        units = str(data["forces"].attrs.get("units", ""))
+        yield Fact("largest actuator force", float(largest[worst]), units, name)
+
+
+def contact_force(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest force between a leg and the platform."""
+    yield Fact("largest force at a spherical joint", longest(data["contact_forces"]), "N")
+
+
+def deformation(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest deformation where the platform is held."""
+    yield Fact("largest deformation at an attachment", 1e3 * longest(data["attachment_deformation"]), "mm")
+
+
+def balance(data: xr.Dataset) -> Iterator[Fact]:
+    """The residual of the energies' balance over the largest change of an energy or work."""
+    terms: list[Array] = [data[term.name].values for term in LEDGER if term.name in data]
+    change = max((float(np.max(np.abs(term - term[0]))) for term in terms), default=0.0) or 1.0
+    residual = float(np.max(np.abs(data[RESIDUAL.name].values)))
+    yield Fact("energy balance / largest change", residual / change)
+
+
+def longest(vectors: xr.DataArray) -> float:
+    """The length of the longest vector."""
+    return float(np.max(np.linalg.norm(vectors.values, axis=-1), initial=0.0))
+
+
+FIGURES: dict[str, Callable[[xr.Dataset], Iterator[Fact]]] = {  # by the variable that they need
+    "pose_error": errors,
+    "forces": actuator_force,
+    "contact_forces": contact_force,
+    "attachment_deformation": deformation,
+    RESIDUAL.name: balance,
+}

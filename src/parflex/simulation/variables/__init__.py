@@ -1,0 +1,25 @@
+"""All variables of a result. A new one is an entry in one of these files, or a file and a line here."""
+
+import numpy as np
+
+from parflex.robot.joint_words import actuator_names
+from parflex.simulation.variables.energy import LEDGER, RESIDUAL
+from parflex.simulation.variables.legs import LEGS
+from parflex.simulation.variables.motion import MOTION
+from parflex.simulation.variables.platform import PLATFORM
+from parflex.simulation.variables.robot_text import ROBOT_FILE
+from parflex.simulation.variables.variable import Variable
+from parflex.simulation.variables.wanted import WANTED
+
+COORDINATES = (  # they label what the others hold
+    Variable("time", ("time",), "s", "time", lambda run: run.t, missed="the instants"),
+    Variable(
+        "actuator_name",
+        ("actuator",),
+        "1",
+        "names of the actuators",
+        lambda run: np.array(actuator_names(run.robot), dtype=str),
+        text=True,
+    ),
+)
+ALL_VARIABLES = (*MOTION, *LEGS, *PLATFORM, *LEDGER, RESIDUAL, *WANTED, ROBOT_FILE)
