@@ -64,8 +64,8 @@ def test_schema_is_as_documented(file):
 
 def test_robot_file_names_it_in_one_line(file):
     """The platform of a robot file is that of the modes."""
+    from parflex.files.platform_schema import ModalTable
     from parflex.files.platform_tables import platform
-    from parflex.files.robot_schema import ModalTable
 
     body = platform(ModalTable(kind="modal", file=file.name), file.parent)
     expected = pf.FlexibleBody.from_modes(modes(), damping_ratio=0.03)
@@ -77,8 +77,8 @@ def test_robot_file_names_it_in_one_line(file):
 def test_robot_file_names_a_step_file(tmp_path):
     """A solid platform in one line of a robot file is the one made in Python."""
     occ = pytest.importorskip("netgen.occ")
+    from parflex.files.platform_schema import SolidTable
     from parflex.files.platform_tables import platform
-    from parflex.files.robot_schema import SolidTable
 
     occ.Box((0, 0, 0), (600, 400, 30)).WriteStep(str(tmp_path / "plate.step"))
     points = [(0.05, 0.05, 0.0), (0.55, 0.05, 0.0), (0.3, 0.35, 0.0)]

@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 from parflex.app.trajectory_schema import PlanTable, trajectory_table
 from parflex.files.reading import Reader
-from parflex.files.tables import rotation_matrix
+from parflex.files.tables import rotation_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws import ALL_LAWS
@@ -32,7 +32,7 @@ def read_plan(path: str | os.PathLike[str], laws: tuple[type[Controller], ...] =
     reader = Reader(path)
     table = reader.table(trajectory_table(laws))
     for number, move in enumerate(table.move):
-        reader.attempt(("move", number), rotation_matrix, move.rotation)
+        reader.attempt(("move", number), rotation_of, move.rotation)
     reader.stop()
     return Plan(reader, table, laws)
 
@@ -48,7 +48,7 @@ def trajectory_of(plan: Plan, start: State) -> Trajectory:
     """Through the poses of the plan, each given from the start, in world axes."""
     moves, turn = plan.table.move, Rotation.from_matrix(np.asarray(start.rotation))
     positions = [start.position, *(start.position + np.array(move.position) for move in moves)]
-    turns = [turn, *(Rotation.from_matrix(rotation_matrix(move.rotation)) * turn for move in moves)]
+    turns = [turn, *(Rotation.from_matrix(rotation_of(move.rotation)) * turn for move in moves)]
     rotations = np.stack([each.as_matrix() for each in turns])
     first, last = plan.table.rest
     return Trajectory(np.stack(positions), rotations, [move.duration for move in moves], (first, last))

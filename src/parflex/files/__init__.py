@@ -1,1 +1,1 @@
-"""Robot files and trajectory files: TOML with units, read with line numbers, written whole."""
+"""Robot files: TOML with units, read with line numbers, written whole."""

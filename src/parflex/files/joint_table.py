@@ -6,7 +6,7 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from parflex.base.errors import InputError
-from parflex.files.tables import THREE, Inertia, Measure, Point, Table, Whole, inertia_matrix
+from parflex.files.tables import THREE, Inertia, Measure, Point, Table, Whole, inertia_of
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint
 
@@ -45,7 +45,9 @@ class Prismatic(JointTable):
 
 def joint_table(kind: type[JointTable], joint: type[Joint]) -> type[JointTable]:
     """The table of a revolute or prismatic joint, with an entry for each field of the joint's class."""
-    entries: dict[str, Any] = {column.file: entry(column, kind.sigma) for column in in_files(joint).values()}
+    entries: dict[str, Any] = {
+        column.file: type_and_default(column, kind.sigma) for column in in_files(joint).values()
+    }
     made: type[JointTable] = create_model(kind.__name__, __base__=kind, __doc__=kind.__doc__, **entries)
     made.joint = joint
     return made
@@ -56,7 +58,7 @@ def in_files(joint: type[Joint]) -> dict[str, Column]:
     return {name: column for name, column in described(joint).items() if column.file}
 
 
-def entry(column: Column, sigma: int) -> tuple[Any, Any]:
+def type_and_default(column: Column, sigma: int) -> tuple[Any, Any]:
     """Type and default of an entry; None stands for the default that the joint itself has."""
     assert column.kind is not None
     number: Any = Annotated[float, Measure(column.kind.of(sigma), column.rule)]
@@ -77,14 +79,14 @@ def joint_of(table: JointTable, before: int) -> Joint:
     for name, column in in_files(table.joint).items():
         value = getattr(table, column.file)
         if value is not None:
-            given[name] = inertia_matrix(value) if column.shape == (3, 3) else value
+            given[name] = inertia_of(value) if column.shape == (3, 3) else value
     if table.com is not None:
         given["MS"] = given["M"] * np.array(table.com)
     antecedent = before if table.antecedent is None else table.antecedent
     return table.joint(antecedent, table.sigma, int(table.actuated), **given)
 
 
-def entries_of(joint: Joint, before: int) -> dict[str, Any]:
+def joint_entries(joint: Joint, before: int) -> dict[str, Any]:
     """The table of a joint without what is by default, with `before` joints before it."""
     far = {} if joint.antecedent == before else {"antecedent": joint.antecedent}
     driven = {"actuated": True} if joint.mu else {}

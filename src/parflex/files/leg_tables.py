@@ -14,7 +14,7 @@ from parflex.files.joint_table import JointTable, joint_of
 from parflex.files.leg_schema import ChainTable, LegTable, TipTable
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
-from parflex.files.tables import rotation_matrix
+from parflex.files.tables import rotation_of
 from parflex.robot.leg import Joint, Leg, Tip
 
 
@@ -27,7 +27,7 @@ class Parts(NamedTuple):
     tips: tuple[Tip, ...]
 
 
-def chain(reader: Reader, name: str, table: ChainTable) -> Parts | None:
+def chain_parts(reader: Reader, name: str, table: ChainTable) -> Parts | None:
     """Joints and tips of a chain; None where there are complaints about its joints."""
     joints: tuple[Joint, ...] = ()
     for number, row in enumerate(table.joints):
@@ -53,22 +53,22 @@ def tip(joints: tuple[Joint, ...], row: TipTable) -> Tip:
     return found
 
 
-def leg(reader: Reader, number: int, row: LegTable, parts: Mapping[str, Parts | None]) -> Leg | None:
+def placed_leg(reader: Reader, number: int, row: LegTable, parts: Mapping[str, Parts | None]) -> Leg | None:
     """A chain placed on the base; None where there are complaints about it."""
     where = ("leg", number)
-    known = reader.attempt(where, named, parts, row.chain)
+    known = reader.attempt(where, chain_named, parts, row.chain)
     if known is None:
         return None
-    tips = reader.attempt(where, held, known, row.attachments)
+    tips = reader.attempt(where, tips_on, known, row.attachments)
     own = where if row.posture is not None else ("chain", known.name)
     posture = reader.attempt(own, posture_of, known, row.posture or known.table.posture)
-    rotation = reader.attempt(where, rotation_matrix, row.rotation)
+    rotation = reader.attempt(where, rotation_of, row.rotation)
     if tips is None or rotation is None:
         return None
     return reader.attempt(where, Leg, rotation, row.origin, known.joints, tips, posture)
 
 
-def named(parts: Mapping[str, Parts | None], name: str) -> Parts:
+def chain_named(parts: Mapping[str, Parts | None], name: str) -> Parts:
     """The chain of that name."""
     found = parts.get(name)
     if found is None:
@@ -78,7 +78,7 @@ def named(parts: Mapping[str, Parts | None], name: str) -> Parts:
     return found
 
 
-def held(known: Parts, attachments: Sequence[int]) -> tuple[Tip, ...]:
+def tips_on(known: Parts, attachments: Sequence[int]) -> tuple[Tip, ...]:
     """The tips of a leg, each on its attachment."""
     if len(attachments) != len(known.tips):
         raise InputError(
@@ -95,10 +95,12 @@ def posture_of(known: Parts, given: Sequence[Any] | None) -> Array | None:
     rows = known.table.joints
     if len(given) != len(rows):
         raise InputError(f"posture has {len(given)} entries; give one for each of the {len(rows)} joints")
-    return np.array([entry(j, value, row) for j, (value, row) in enumerate(zip(given, rows, strict=True))])
+    return np.array(
+        [posture_value(j, value, row) for j, (value, row) in enumerate(zip(given, rows, strict=True))]
+    )
 
 
-def entry(number: int, value: Any, row: JointTable) -> float:
+def posture_value(number: int, value: Any, row: JointTable) -> float:
     """One joint value of a posture."""
     try:
         return convert(value, POSITION.of(row.sigma))

@@ -20,7 +20,7 @@ def line_of(text: str, where: Where) -> int:
     lines = text.split("\n")
     ends = statements(lines)
     number = bisect.bisect_left(ends, True, key=lambda end: leads(parsed("\n".join(lines[:end])), found))
-    return entry(lines, ends[number - 1] if number else 0, ends[number], found)
+    return line_in_array(lines, ends[number - 1] if number else 0, ends[number], found)
 
 
 def statements(lines: Sequence[str]) -> list[int]:
@@ -33,7 +33,7 @@ def statements(lines: Sequence[str]) -> list[int]:
     return ends
 
 
-def entry(lines: Sequence[str], start: int, end: int, where: Where) -> int:
+def line_in_array(lines: Sequence[str], start: int, end: int, where: Where) -> int:
     """The line, from 1, of a value in the statement on lines start … end.
 
     In an array over several lines each entry has its own: the first line after which the array,

@@ -1,5 +1,6 @@
 """Platforms from their tables, and a rigid platform's table from its moments."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,34 +10,14 @@ import numpy as np
 from parflex.base.array import outer
 from parflex.base.errors import InputError
 from parflex.fe.modal_file import load_body
-from parflex.files.robot_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
-from parflex.files.tables import inertia_matrix
+from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
+from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
 
 WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 
 
-def platform(
-    table: RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable, folder: Path
-) -> FlexibleBody:
-    """The platform of a table; files are relative to `folder`.
-
-    Raises InputError that begins with the field's name.
-    """
-    try:
-        if isinstance(table, ModalTable):
-            return load_body(folder / table.file)
-        if isinstance(table, ImportedTable):
-            return imported(table, folder)
-        if isinstance(table, SolidTable):
-            return solid(table, folder)
-        return plate(table) if isinstance(table, PolygonTable) else rigid(table)
-    except InputError as error:
-        first, space, rest = str(error).partition(" ")
-        raise InputError(WORDS.get(first, first) + space + rest) from None
-
-
-def plate(table: PolygonTable) -> FlexibleBody:
+def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
     """A plate with computed modes, held at its corners or at the points named."""
     from parflex.fe import modes, plate_body, plate_modes
 
@@ -50,7 +31,7 @@ def plate(table: PolygonTable) -> FlexibleBody:
     return FlexibleBody.from_modes(found, points, table.origin, table.damping_ratio)
 
 
-def solid(table: SolidTable, folder: Path) -> FlexibleBody:
+def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
     """A solid with computed modes, held at patches of its surface."""
     from parflex.fe import FreeFreeWithAttachment, Material, mesh_from, modes, solid_body
 
@@ -64,7 +45,7 @@ def solid(table: SolidTable, folder: Path) -> FlexibleBody:
     return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
 
 
-def imported(table: ImportedTable, folder: Path) -> FlexibleBody:
+def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:
     """A body of another program's files, held at nodes or points."""
     from parflex.fe import import_modes
 
@@ -74,17 +55,43 @@ def imported(table: ImportedTable, folder: Path) -> FlexibleBody:
     return FlexibleBody.from_modes(modes, None, table.origin, table.damping_ratio)
 
 
-def rigid(table: RigidTable) -> FlexibleBody:
+def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
     """A rigid body from its inertia about the centre of mass, or from its moments."""
     points = np.reshape(np.array(table.attachments, dtype=float), (-1, 3))
     if table.inertia is not None:
         com = (0.0, 0.0, 0.0) if table.com is None else table.com
-        return FlexibleBody.rigid(table.mass, com, inertia_matrix(table.inertia), points)
+        return FlexibleBody.rigid(table.mass, com, inertia_of(table.inertia), points)
     first, second = np.array(table.first_moment), np.array(table.second_moment)
     central = second - outer(first, first) / table.mass
     inertia = np.trace(central) * np.eye(3) - central
     body = FlexibleBody.rigid(table.mass, first / table.mass, inertia, points)
     return replace(body, moments=body.moments._replace(MS0=first, P0=second))
+
+
+def from_modal_file(table: ModalTable, folder: Path) -> FlexibleBody:
+    """The body that parflex stored."""
+    return load_body(folder / table.file)
+
+
+BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
+    RigidTable: from_inertia,
+    PolygonTable: from_polygon,
+    SolidTable: from_mesh,
+    ImportedTable: from_program,
+    ModalTable: from_modal_file,
+}
+
+
+def platform(table: Table, folder: Path) -> FlexibleBody:
+    """The platform of a table; files are relative to `folder`.
+
+    Raises InputError that begins with the field's name.
+    """
+    try:
+        return BUILDERS[type(table)](table, folder)
+    except InputError as error:
+        first, space, rest = str(error).partition(" ")
+        raise InputError(WORDS.get(first, first) + space + rest) from None
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

@@ -32,7 +32,7 @@ class Reader:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self._complaints: list[tuple[int, str]] = []
-        self._text = text_of(self.path)
+        self._text = file_text(self.path)
         try:
             self._document = tomllib.loads(self._text)
         except tomllib.TOMLDecodeError as error:
@@ -92,7 +92,7 @@ class Reader:
         self._complaints.append((line, f"{self.path.name}:{line}: {words}"))
 
 
-def text_of(path: Path) -> str:
+def file_text(path: Path) -> str:
     """The text of a file; raises InputError where there is none."""
     try:
         return path.read_text(encoding="utf-8").replace("\r\n", "\n")

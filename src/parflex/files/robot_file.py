@@ -7,12 +7,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.files.leg_tables import chain, leg
+from parflex.files.leg_tables import chain_parts, placed_leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
 from parflex.files.robot_schema import HomeTable, RobotTable, robot_table
 from parflex.files.standing import check_mobility, check_posture, joints_at_home
-from parflex.files.tables import rotation_matrix
+from parflex.files.tables import rotation_of
 from parflex.robot.leg import Joint
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
@@ -47,13 +47,13 @@ def read_robot(path: str | os.PathLike[str], joint: type[Joint] = Joint) -> Robo
     """As `load_robot`, with the names that the file gives."""
     reader = Reader(path)
     table = reader.table(robot_table(joint))
-    home = reader.attempt(("home",), place, table.home)
-    parts = {name: chain(reader, name, given) for name, given in table.chain.items()}
+    home = reader.attempt(("home",), checked_pose, table.home)
+    parts = {name: chain_parts(reader, name, given) for name, given in table.chain.items()}
     reader.stop()
-    legs = [leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
+    legs = [placed_leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
     body = reader.attempt(("platform",), platform, table.platform, reader.path.parent)
     reader.stop()
-    robot = assembled(reader, legs, body, table.gravity, home)
+    robot = joined_robot(reader, legs, body, table.gravity, home)
     chains = tuple(row.chain for row in table.leg)
     return RobotFile(table.name, table.source, robot, chains, reader, table)
 
@@ -69,13 +69,15 @@ def check_standing(file: RobotFile) -> None:
     reader.must(() if table.mobility is None else ("mobility",), check_mobility, robot, table.mobility)
 
 
-def place(table: HomeTable) -> tuple[Array, Array]:
+def checked_pose(table: HomeTable) -> tuple[Array, Array]:
     """A checked pose (3,) m, (3, 3)."""
-    state = State(table.position, rotation_matrix(table.rotation))
+    state = State(table.position, rotation_of(table.rotation))
     return np.asarray(state.position), np.asarray(state.rotation)
 
 
-def assembled(reader: Reader, legs: Sequence[Any], body: Any, gravity: Sequence[float], home: Any) -> Robot:
+def joined_robot(
+    reader: Reader, legs: Sequence[Any], body: Any, gravity: Sequence[float], home: Any
+) -> Robot:
     """The robot; its legs join one by one, so that a complaint names the leg it is about."""
     for count in range(1, len(legs) + 1):
         where = ("leg", count - 1, "attachments")

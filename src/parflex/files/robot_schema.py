@@ -2,27 +2,12 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, create_model, model_validator
+from pydantic import Field, create_model
 
 from parflex.base import kinds
-from parflex.base.check import POSITIVE
-from parflex.base.errors import InputError
 from parflex.files.leg_schema import ChainTable, LegTable, chain_table
-from parflex.files.tables import (
-    THREE,
-    ZEROS,
-    Inertia,
-    Length,
-    Measure,
-    Moments3,
-    Number,
-    Point,
-    Rotation,
-    Seconds3x3,
-    Table,
-    Whole,
-    several,
-)
+from parflex.files.platform_schema import PlatformTable
+from parflex.files.tables import THREE, ZEROS, Measure, Point, Rotation, Table, Whole
 from parflex.robot.leg import Joint
 
 FORMAT = "parflex-robot-1"
@@ -35,123 +20,20 @@ class HomeTable(Table):
     rotation: Rotation = Field(ZEROS, description="rotation vector or matrix")
 
 
-class RigidTable(Table):
-    """A rigid platform."""
-
-    kind: Literal["rigid"]
-    mass: Annotated[float, Measure(kinds.MASS, POSITIVE)] = Field(description="in kg")
-    com: Point | None = Field(None, description="centre of mass; by default the frame's origin")
-    inertia: Inertia | None = Field(None, description="about the centre of mass: XX YY ZZ XY XZ YZ")
-    first_moment: Moments3 | None = Field(None, description="∫ r dm, with second_moment")
-    second_moment: Seconds3x3 | None = Field(None, description="∫ r rᵀ dm, instead of inertia")
-    attachments: list[Point] = Field(description="the points that legs may hold")
-
-    @model_validator(mode="after")
-    def _one_way(self) -> "RigidTable":
-        moments = (self.first_moment, self.second_moment)
-        if (self.inertia is None) == (self.second_moment is None):
-            raise InputError("needs inertia (about the centre of mass), or first_moment and second_moment")
-        if (None in moments and any(moments)) or (any(moments) and self.com is not None):
-            raise InputError("mixes two ways; give com and inertia, or first_moment and second_moment")
-        return self
-
-
-Acceleration = Annotated[float, Measure(kinds.ACCELERATION)]
-Corner = Annotated[list[Length], Field(min_length=2, max_length=2)]
-Ratios = Annotated[
-    Annotated[Number, Tag("one")] | Annotated[list[Number], Tag("each")],
-    Discriminator(several),
-]
-
-
-class PolygonTable(Table):
-    """A flat plate of convex outline, whose modes are computed."""
-
-    kind: Literal["polygon"]
-    corners: list[Corner] = Field(description="[x, y] in order around the outline")
-    thickness: Length
-    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
-    poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(kinds.DENSITY)]
-    modes: Whole | None = Field(
-        None, description="free-free modes, 0 for a rigid plate; by default a basis right for the joints"
-    )
-    refine: Whole | None = Field(None, description="halvings of the mesh; by default enough")
-    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    attachments: list[Corner] | None = Field(None, description="[x, y] of nodes; by default the corners")
-    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
-
-
-class ModalTable(Table):
-    """A platform stored by parflex, with its modes."""
-
-    kind: Literal["modal"]
-    file: str = Field(description="modal file, relative to the robot file")
-
-
-class SolidTable(Table):
-    """A solid of one material, from a STEP file or a mesh, whose modes are computed."""
-
-    kind: Literal["solid"]
-    file: str = Field(description="STEP file or mesh, relative to the robot file")
-    unit: str | None = Field(None, description='of the file: "mm", "m", "inch"; STEP files name theirs')
-    size: Length | None = Field(None, description="largest edge of elements; by default enough")
-    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
-    poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(kinds.DENSITY)]
-    modes: Whole | None = Field(
-        None, description="free-free modes beside attachment modes; by default as many as are right"
-    )
-    attachments: list[Point] = Field(description="points that legs may hold, patches of the surface")
-    tool: Point | None = Field(None, description="a point where wrenches act")
-    radius: Length | None = Field(None, description="of the patches")
-    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
-
-
-def group(value: Any) -> str:
-    """Whether a place is one node or a "patch" of several."""
-    return "patch" if isinstance(value, list) else "node"
-
-
-Node = Annotated[Annotated[Whole, Tag("node")] | Annotated[list[Whole], Tag("patch")], Discriminator(group)]
-
-
-class ImportedTable(Table):
-    """A platform from the files of a finite-element program."""
-
-    kind: Literal["imported"]
-    program: str = Field(description='"nastran", "calculix", "calculix-matrices", "matrices" or "arrays"')
-    files: dict[str, str] = Field(
-        description="relative to the robot file, by the names of the program's reader"
-    )
-    units: str = Field(description='of the files: "SI", "mm-tonne-s", "in-lbf" or others')
-    modes: Whole | None = Field(None, description="elastic modes to keep; by default all in the file")
-    ids: list[Node] | None = Field(
-        None, description="nodes that legs may hold, each a number or a list of them"
-    )
-    points: list[Point] | None = Field(None, description="or points, in the model's coordinates")
-    radius: Length | None = Field(None, description="of the patches of nodes around the points")
-    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    origin: Point | None = Field(
-        None, description="the platform frame's origin; by default the centre of mass"
-    )
-
-
 class RobotTable(Table):
     """A robot: a fixed base, legs, a platform."""
 
     format: Literal["parflex-robot-1"] = Field(description='"parflex-robot-1"')
     name: str = ""
     source: str = Field("", description="where the numbers are from")
-    gravity: Annotated[list[Acceleration], THREE] = Field([0.0, 0.0, -9.81], description="in the world")
+    gravity: Annotated[list[Annotated[float, Measure(kinds.ACCELERATION)]], THREE] = Field(
+        [0.0, 0.0, -9.81], description="in the world"
+    )
     mobility: Whole | None = Field(None, description="the platform's freedoms that you expect")
     home: HomeTable = Field(description="the table [home] with position and rotation")
     chain: dict[str, ChainTable] = Field({}, description="chains by name")
     leg: list[LegTable] = Field([], description="legs, one [[leg]] each")
-    platform: RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable = Field(
-        discriminator="kind", description="the table [platform]"
-    )
+    platform: PlatformTable = Field(discriminator="kind", description="the table [platform]")
 
 
 def robot_table(joint: type[Joint] = Joint) -> type[RobotTable]:

@@ -11,7 +11,7 @@ import tomli_w
 
 from parflex.base.writing import replacing
 from parflex.fe.modal_file import save_body
-from parflex.files.joint_table import entries_of
+from parflex.files.joint_table import joint_entries
 from parflex.files.platform_tables import rigid_table
 from parflex.files.robot_schema import FORMAT
 from parflex.robot.body import FlexibleBody
@@ -31,7 +31,7 @@ def save_robot(robot: Robot, path: str | os.PathLike[str]) -> Path:
     Raises InputError where a file cannot be written.
     """
     target = Path(path)
-    text = robot_text(robot, platform_of(robot.platform, target))
+    text = robot_text(robot, platform_entries(robot.platform, target))
     with replacing(target) as part:
         part.write_text(text, encoding="utf-8")
     return target
@@ -39,7 +39,7 @@ def save_robot(robot: Robot, path: str | os.PathLike[str]) -> Path:
 
 def robot_text(robot: Robot, platform: Tables) -> str:
     """The TOML of a robot with this table for its platform."""
-    chains, legs = legs_of(robot.legs)
+    chains, legs = leg_tables(robot.legs)
     position, rotation = (np.asarray(part, dtype=float).tolist() for part in robot.home_pose)
     tables = {
         "format": FORMAT,
@@ -52,7 +52,7 @@ def robot_text(robot: Robot, platform: Tables) -> str:
     return on_lines(tomli_w.dumps(tables))
 
 
-def platform_of(body: FlexibleBody, target: Path) -> Tables:
+def platform_entries(body: FlexibleBody, target: Path) -> Tables:
     """The platform's table; its file is written where it needs one."""
     table = rigid_table(body)
     if table is None:
@@ -67,26 +67,26 @@ def modal_table(file: str) -> Tables:
     return {"kind": "modal", "file": file}
 
 
-def legs_of(legs: Sequence[Leg]) -> tuple[Tables, list[Tables]]:
+def leg_tables(legs: Sequence[Leg]) -> tuple[Tables, list[Tables]]:
     """Chains by name, and the legs that use them; what is written alike is one chain."""
     chains: dict[str, Tables] = {}
     names: dict[str, str] = {}
     rows = []
     for leg in legs:
-        chain = chain_of(leg)
+        chain = chain_entries(leg)
         name = names.setdefault(repr(chain), f"{leg.word.replace('*', '').lower()}-{len(names) + 1}")
         chains[name] = chain
-        rows.append(leg_of(leg, name))
+        rows.append(leg_entries(leg, name))
     return chains, rows
 
 
-def chain_of(leg: Leg) -> Tables:
+def chain_entries(leg: Leg) -> Tables:
     """Joints and tips; repr tells all floats apart, -0.0 from 0.0 too."""
     tips = [{"frame": tip.frame, "offset": np.asarray(tip.offset).tolist()} for tip in leg.tips]
-    return {"joints": [entries_of(joint, before) for before, joint in enumerate(leg.joints)], "tips": tips}
+    return {"joints": [joint_entries(joint, before) for before, joint in enumerate(leg.joints)], "tips": tips}
 
 
-def leg_of(leg: Leg, chain: str) -> Tables:
+def leg_entries(leg: Leg, chain: str) -> Tables:
     """Where a chain stands, and what it holds."""
     row: Tables = {"chain": chain, "attachments": [tip.attachment for tip in leg.tips]}
     row |= {"origin": np.asarray(leg.origin).tolist(), "rotation": np.asarray(leg.rotation).tolist()}

@@ -77,7 +77,7 @@ Six = Annotated[list[Second], Field(min_length=6, max_length=6)]
 Inertia = Annotated[Annotated[Six, Tag("list")] | Annotated[Seconds3x3, Tag("matrix")], Discriminator(rows)]
 
 
-def rotation_matrix(given: Sequence[Any]) -> Array:
+def rotation_of(given: Sequence[Any]) -> Array:
     """R (3, 3) of a rotation vector (3,) rad, or of the matrix itself.
 
     Raises InputError for a vector of more than a full turn, which is one in degrees.
@@ -92,7 +92,7 @@ def rotation_matrix(given: Sequence[Any]) -> Array:
     return without_roundoff(Turned.from_rotvec(array).as_matrix(), 1.0, 1e-15)
 
 
-def inertia_matrix(given: Sequence[Any]) -> Array:
+def inertia_of(given: Sequence[Any]) -> Array:
     """(3, 3) kg m² of XX, YY, ZZ, XY, XZ, YZ, or of the matrix itself."""
     array = np.asarray(given, dtype=float)
     return array if array.ndim == 2 else array[[[0, 3, 4], [3, 1, 5], [4, 5, 2]]]
