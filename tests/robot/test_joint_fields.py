@@ -35,9 +35,7 @@ def a_bearing(name, value):
 class Cubic(pf.Joint):
     """A joint with one number more, and with one part that it may have."""
 
-    k3: float = number(
-        0.0, CUBIC, "cubic", "of a hard spring", rule=NOT_NEGATIVE, parameter=True, alike=False
-    )
+    k3: float = number(0.0, CUBIC, "cubic", "of a hard spring", NOT_NEGATIVE, parameter=True)
     bearing: Bearing | None = field(default=None, metadata=about(a_bearing))
 
 

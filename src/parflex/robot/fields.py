@@ -10,8 +10,9 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
-from parflex.base.check import SYMMETRIC, Rule, exactly, finite, obeying, scalar
+from parflex.base.check import Rule, exactly, finite, obeying, scalar
 from parflex.base.kinds import ByType, Kind
 
 _KNOWN: dict[type, dict[str, "Column"]] = {}  # by dataclass, looked up for every state that is made
@@ -48,33 +49,23 @@ def held(form: Callable[[str, Any], Any] | None = None, default: Any = MISSING) 
     return field(default=default, metadata=about(form) if form else {})
 
 
-def number(default: float, kind: Kind | ByType, file: str, words: str, **known: Any) -> Any:
-    """A field of one finite number, a table of the chain."""
-    known |= {"kind": kind, "file": file, "words": words, "default": default, "table": True}
-    return field(default=default, metadata=about(scalar, **known))
+def number(
+    default: ArrayLike, kind: Kind | ByType, file: str, words: str, rule: Rule | None = None, **known: Any
+) -> Any:
+    """A field of a number, or of an array of the default's shape, which is a table of the chain.
 
-
-def limit(default: float, kind: Kind | ByType, file: str, words: str) -> Any:
-    """A field of one number that may be infinite, as it is by default; no formula reads it."""
-    known = about(endless, kind=kind, file=file, words=words, default=default)
-    return field(default=default, metadata=known)
-
-
-def vector(kind: Kind, file: str, words: str, **known: Any) -> Any:
-    """A field of three numbers, by default zeros, a table of the chain."""
-    return array((3,), kind, file, words, **known)
-
-
-def symmetric(kind: Kind, file: str, words: str, **known: Any) -> Any:
-    """A field of a symmetric matrix (3, 3), by default zeros, a table of the chain."""
-    return array((3, 3), kind, file, words, rule=SYMMETRIC, **known)
-
-
-def array(shape: tuple[int, ...], kind: Kind, file: str, words: str, **known: Any) -> Any:
-    """A field of numbers of this shape, by default zeros, a table of the chain."""
-    known |= {"kind": kind, "file": file, "words": words, "default": np.zeros(shape), "table": True}
-    made = about(exact(shape), shape=shape, **known)
-    return field(default_factory=lambda: np.zeros(shape), metadata=made)
+    One that is infinite by default may be infinite, and no table. A parameter is by default one in
+    which legs that are traced as one may differ.
+    """
+    shape, table = np.shape(default), bool(np.all(np.isfinite(default)))
+    form = exact(shape) if shape else scalar if table else endless
+    known = {"table": table, "alike": not known.get("parameter")} | known
+    made = about(form, rule=rule, kind=kind, shape=shape, file=file, words=words, default=default, **known)
+    return (
+        field(default_factory=lambda: default, metadata=made)
+        if shape
+        else field(default=default, metadata=made)
+    )
 
 
 def exact(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:

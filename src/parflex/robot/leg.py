@@ -9,13 +9,20 @@ from numpy.typing import ArrayLike
 
 from parflex.base import kinds
 from parflex.base.array import Array
-from parflex.base.check import FLAG, NOT_NEGATIVE, POSITIVE, all_of_type, exactly, integer, single_rotation
+from parflex.base.check import (
+    FLAG,
+    NOT_NEGATIVE,
+    POSITIVE,
+    SYMMETRIC,
+    all_of_type,
+    exactly,
+    integer,
+    single_rotation,
+)
 from parflex.base.errors import InputError
 from parflex.base.held import Given, Held
-from parflex.robot.fields import about, check_fields, exact, held, limit, number, symmetric, vector
+from parflex.robot.fields import about, check_fields, exact, held, number
 from parflex.robot.words import listed, told
-
-RUN_TIME = {"parameter": True, "alike": False}  # legs that are traced as one may differ in it
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,34 +51,45 @@ class Joint:
     d: float = number(0.0, kinds.LENGTH, "d", "distance between the joints' axes, along x")
     theta: float = number(0.0, kinds.ANGLE, "theta", "angle about the joint's z; a revolute joint adds to it")
     r: float = number(0.0, kinds.LENGTH, "r", "distance along the joint's z; a prismatic joint adds to it")
-    M: float = number(0.0, kinds.MASS, "mass", "mass of the link", rule=NOT_NEGATIVE, **RUN_TIME)
-    MS: Given = vector(
-        kinds.FIRST_MOMENT, "first_moment", "mass times centre of mass, instead of com", **RUN_TIME
+    M: float = number(0.0, kinds.MASS, "mass", "mass of the link", NOT_NEGATIVE, parameter=True)
+    MS: Given = number(
+        np.zeros(3),
+        kinds.FIRST_MOMENT,
+        "first_moment",
+        "mass times centre of mass, instead of com",
+        parameter=True,
     )
-    I: Given = symmetric(  # noqa: E741 - the field's symbol
-        kinds.INERTIA, "inertia", "about the link frame's origin: XX YY ZZ XY XZ YZ", **RUN_TIME
+    I: Given = number(  # noqa: E741 - the field's symbol
+        np.zeros((3, 3)),
+        kinds.INERTIA,
+        "inertia",
+        "about the link frame's origin: XX YY ZZ XY XZ YZ",
+        SYMMETRIC,
+        parameter=True,
     )
     IA: float = number(
         0.0,
         kinds.JOINT_INERTIA,
         "rotor_inertia",
         "of the motor, as seen at the joint",
-        rule=NOT_NEGATIVE,
-        **RUN_TIME,
+        NOT_NEGATIVE,
+        parameter=True,
     )
-    Fv: float = number(0.0, kinds.DAMPING, "viscous", "friction per rate", rule=NOT_NEGATIVE, **RUN_TIME)
+    Fv: float = number(0.0, kinds.DAMPING, "viscous", "friction per rate", NOT_NEGATIVE, parameter=True)
     Fs: float = number(
-        0.0, kinds.EFFORT, "coulomb", "friction of constant size", rule=NOT_NEGATIVE, **RUN_TIME
+        0.0, kinds.EFFORT, "coulomb", "friction of constant size", NOT_NEGATIVE, parameter=True
     )
     v_s: float = number(
-        1e-3, kinds.RATE, "coulomb_rate", "over which `coulomb` changes sign", rule=POSITIVE, **RUN_TIME
+        1e-3, kinds.RATE, "coulomb_rate", "over which `coulomb` changes sign", POSITIVE, parameter=True
     )
     k: float = number(
-        0.0, kinds.STIFFNESS, "stiffness", "of a spring on the joint", rule=NOT_NEGATIVE, **RUN_TIME
+        0.0, kinds.STIFFNESS, "stiffness", "of a spring on the joint", NOT_NEGATIVE, parameter=True
     )
-    q_0: float = number(0.0, kinds.POSITION, "rest", "where the spring is at rest", parameter=True)
-    q_min: float = limit(-np.inf, kinds.POSITION, "min", "lowest joint value; checked, not enforced")
-    q_max: float = limit(np.inf, kinds.POSITION, "max", "highest joint value; checked, not enforced")
+    q_0: float = number(
+        0.0, kinds.POSITION, "rest", "where the spring is at rest", parameter=True, alike=True
+    )
+    q_min: float = number(-np.inf, kinds.POSITION, "min", "lowest joint value; checked, not enforced")
+    q_max: float = number(np.inf, kinds.POSITION, "max", "highest joint value; checked, not enforced")
 
     def __post_init__(self) -> None:
         check_fields(self)

@@ -17,7 +17,6 @@ from parflex.base.errors import InputError
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint, Leg, Tip
-from parflex.robot.modal import modal_masses
 from parflex.robot.robot import Robot
 
 OF_MODES = ("frequencies", "damping_ratio")
@@ -139,7 +138,7 @@ def parameter(robot: Robot, name: object) -> Parameter:
         return Parameter(text, "payload", (), number=int(found[1]), rule=NOT_NEGATIVE)
     if found := LINK.fullmatch(text):
         legs = tuple(range(len(robot.legs))) if found[1] == "*" else (int(found[1]),)
-        columns = [column_of(robot, i, int(found[2]), field) for i in legs]
+        columns = [joint_column(robot, i, int(found[2]), field) for i in legs]
         if columns and columns[0] is not None and None not in columns:
             column = columns[0]
             return Parameter(text, field, column.shape, legs, int(found[2]), column.rule)
@@ -155,7 +154,7 @@ def parameter(robot: Robot, name: object) -> Parameter:
     )
 
 
-def column_of(robot: Robot, leg: int, joint: int, field: str) -> Column | None:
+def joint_column(robot: Robot, leg: int, joint: int, field: str) -> Column | None:
     """What is known of a parameter of a joint; None where the robot has none of that name."""
     joints = robot.legs[leg].joints if leg < len(robot.legs) else ()
     return of_joint(type(joints[joint])).get(field) if joint < len(joints) else None
@@ -222,16 +221,13 @@ def modal_values(body: FlexibleBody) -> tuple[Array, Array]:
 
     Raises InputError for a mode that has damping and no stiffness.
     """
-    m_kk = modal_masses(body.moments)
-    omega = np.sqrt(body.stiffness / m_kk)
-    still = omega == 0
-    lame = np.flatnonzero(still & (body.damping > 0))
+    lame = np.flatnonzero((body.stiffness == 0) & (body.damping > 0))
     if len(lame):
         raise InputError(
             f"parameters: mode {lame[0] + 1} of the platform has damping but no frequency, and so no damping "
             f"ratio; give it a frequency"
         )
-    return omega, np.where(still, 0.0, body.damping / np.where(still, 1.0, 2.0 * omega * m_kk))
+    return body.frequencies, body.damping_ratios
 
 
 def checked(item: Parameter, value: Any) -> Array:
