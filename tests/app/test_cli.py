@@ -82,6 +82,14 @@ def test_help_teaches(parflex):
     assert pf.__version__ in out
 
 
+def test_help_names_the_importers_and_their_files(parflex):
+    _, out, _ = parflex("modes", "--help")
+    words = " ".join(out.replace("│", " ").split())
+    for importer in pf.fe.IMPORTERS:
+        assert importer.takes in words
+    assert "mm-tonne-s" in words
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import blocks as solids
 import parflex as pf
 from imports import ALL_CASES, CORNERS
 from paper_robot import PLATE, TABLE_2
@@ -99,6 +100,23 @@ def test_import_modes_knows_its_files(case):
         pf.fe.import_modes(case.program, {}, "SI")
     with pytest.raises(pf.InputError, match="deck is not one of its files"):
         pf.fe.import_modes(case.program, {**case.files, "deck": "x"}, "SI")
+
+
+def test_one_more_importer_is_a_value():
+    """A reader and a line in the tuple: the same files, errors and places as for the others."""
+
+    def read(box, units):
+        return pf.fe.solid_body(solids.box((0.3, 0.2, 0.1), (3, 2, 1)), solids.STEEL)
+
+    dummy = pf.fe.Importer("dummy", read, ("box",))
+    more = (*pf.fe.IMPORTERS, dummy)
+    ends = [(-0.15, -0.1, 0.0), (0.15, 0.1, 0.0)]
+    found = pf.fe.import_modes("dummy", {"box": "any"}, "SI", 3, None, ends, 0.06, importers=more)
+    assert np.allclose(found.nodes[list(found.corners)], ends)
+    with pytest.raises(pf.InputError, match="box is not given; dummy takes box"):
+        pf.fe.import_modes("dummy", {}, "SI", importers=more)
+    with pytest.raises(pf.InputError, match="choose one of .*, arrays$"):
+        pf.fe.import_modes("dummy", {}, "SI")
 
 
 def test_spoilt_files_make_one_sentence_or_the_same_platform(case, modes, tmp_path):

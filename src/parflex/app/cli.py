@@ -11,7 +11,9 @@ from rich.markup import escape
 from rich.table import Table
 
 from parflex.app.commands import check, export, init, save_run, simulate, tell_run
-from parflex.app.modes import frequency_table, modes
+from parflex.app.imports import ImportingCommand
+from parflex.app.modes import modes
+from parflex.app.modes_report import frequency_table
 from parflex.app.terminal import (
     Backend,
     ImageFormat,
@@ -36,8 +38,9 @@ app = typer.Typer(
     "it moving in the browser. For a robot of your own, `parflex init`, then `parflex check` and "
     "`parflex simulate`.",
 )
-for command in (view, report, check, simulate, init, export, modes):
+for command in (view, report, check, simulate, init, export):
     app.command()(command)
+app.command(cls=ImportingCommand)(modes)
 
 
 def version(wanted: bool) -> None:

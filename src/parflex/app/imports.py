@@ -1,47 +1,57 @@
-"""What `parflex modes --from` does: the modes of another program's files."""
+"""The options of `parflex modes --from`: modes of another program's files."""
 
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand
 
 from parflex.base.errors import InputError
 
-Program = Annotated[
-    str | None,
-    typer.Option("--from", help='Import: "nastran", "calculix", "calculix-matrices", "matrices", "arrays".'),
-]
-Files = Annotated[
-    list[str] | None, typer.Option(help='A file to import, "name=path", such as "op2=plate.op2".')
-]
-Units = Annotated[str, typer.Option(help='Of the imported files: "SI", "mm-tonne-s", "in-lbf" and others.')]
+PROGRAMS, TAKES, SYSTEMS = "PROGRAMS", "TAKES", "SYSTEMS"  # in help strings: what the importers say
+
+Program = Annotated[str | None, typer.Option("--from", help=f"Import the modes of {PROGRAMS}.")]
+Files = Annotated[list[str] | None, typer.Option(help=f'A file to import, "name=path": {TAKES}.')]
+Units = Annotated[str, typer.Option(help=f"The units of the imported files: {SYSTEMS}.")]
 Nodes = Annotated[
     list[str] | None,
     typer.Option(help='Joint of an imported model: a node\'s number, or "12,13,14" for a patch.'),
 ]
 
 
-def imported(
-    program: str | None,
-    file: list[str],
-    units: str,
-    count: int | None,
-    node: list[str],
-    joints: list[tuple[float, ...]],
-    radius: float | None,
-) -> Any:
-    """The modes of another program's files, held at nodes by number or at points."""
-    from parflex.fe import import_modes
+class ImportingCommand(TyperCommand):
+    """A command whose help names the importers, which are loaded where it is asked for."""
 
-    pairs = [text.partition("=") for text in file]
-    for text, (name, equals, path) in zip(file, pairs, strict=True):
+    def format_help(self, ctx: Any, formatter: Any) -> None:
+        from parflex.fe import IMPORTERS
+        from parflex.fe.imports.unit_systems import SYSTEMS as systems
+
+        words = {
+            PROGRAMS: ", ".join(importer.name for importer in IMPORTERS),
+            TAKES: "; ".join(importer.takes for importer in IMPORTERS),
+            SYSTEMS: ", ".join(systems),
+        }
+        options: list[Any] = list(self.params)
+        for option in options:
+            for mark, said in words.items():
+                option.help = option.help and option.help.replace(mark, said)
+        super().format_help(ctx, formatter)
+
+
+def named_files(texts: list[str]) -> dict[str, Path]:
+    """The files of "name=path" by name."""
+    pairs = [text.partition("=") for text in texts]
+    for text, (name, equals, path) in zip(texts, pairs, strict=True):
         if not (name and equals and path):
             raise InputError(f'--file is {text!r}; write it as "name=path", such as "op2=plate.op2"')
-    files = {name: Path(path) for name, _, path in pairs}
+    return {name: Path(path) for name, _, path in pairs}
+
+
+def node_ids(texts: list[str]) -> list[int | list[int]] | None:
+    """The nodes of "12", and patches of "12,13,14"; None for none."""
     try:
-        ids = [[int(part) for part in text.split(",")] for text in node]
+        groups = [[int(part) for part in text.split(",")] for text in texts]
     except ValueError:
-        raise InputError(f"--node is {', '.join(node)}; give node numbers, with commas for a patch") from None
-    places = [group if len(group) > 1 else group[0] for group in ids]
-    held = (places or None, joints or None, radius)
-    return import_modes(program or "", files, units, count, *held)
+        given = ", ".join(texts)
+        raise InputError(f"--node is {given}; give node numbers, with commas for a patch") from None
+    return [group if len(group) > 1 else group[0] for group in groups] or None

@@ -1,68 +1,88 @@
 """The command `parflex modes`: from a polygon, a STEP file or a mesh to a platform's modal file."""
 
 import time
-from collections.abc import Callable
+from dataclasses import asdict, dataclass
 from functools import partial
-from math import isnan, pi
 from pathlib import Path
-from typing import Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.markup import escape
-from rich.table import Table
 
-from parflex.app.imports import Files, Nodes, Program, Units, imported
-from parflex.app.terminal import ImageFormat, Out, check_format, check_writable, console, step
+from parflex.app.imports import Files, Nodes, Program, Units, named_files, node_ids
+from parflex.app.modes_report import report
+from parflex.app.terminal import ImageFormat, Out, check_format, check_writable, command_of, console, step
 from parflex.base.errors import InputError
 
-COARSER = 1.5  # a mesh to compare with
+if TYPE_CHECKING:
+    from parflex.fe import ComputedModes, Material
+    from parflex.fe.sources import Source
+
+Texts = list[str] | None
+SHAPES = {"--corner": "x,y", "--hole": "x,y,radius", "--attach": "x,y,z", "--tool": "x,y,z"}
 
 
-def modes(
+@dataclass(frozen=True)
+class Options:
+    """The options of `parflex modes`."""
+
     source: Annotated[
         Path | None,
         typer.Argument(help="A STEP file (.step, .stp), or a mesh of tetrahedra that meshio reads."),
-    ] = None,
+    ] = None
     corner: Annotated[
-        list[str] | None,
-        typer.Option("--corner", "-c", help='Corner "x,y" of a plate, m; repeat it, in order around.'),
-    ] = None,
-    thickness: Annotated[float, typer.Option(help="Thickness of the plate, m.")] = 15e-3,
-    solid: Annotated[bool, typer.Option("--solid", help="Mesh the plate as a solid.")] = False,
-    hole: Annotated[
-        list[str] | None, typer.Option(help='Hole "x,y,radius" in the plate, m; it becomes a solid.')
-    ] = None,
-    young: Annotated[float, typer.Option(help="Young's modulus, N/m².")] = 2e10,
-    poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3,
-    density: Annotated[float, typer.Option(help="Density, kg/m³.")] = 7.5e3,
+        Texts, typer.Option("--corner", "-c", help='Corner "x,y" of a plate, m; repeat it, in order around.')
+    ] = None
+    thickness: Annotated[float, typer.Option(help="Thickness of the plate, m.")] = 15e-3
+    solid: Annotated[bool, typer.Option("--solid", help="Mesh the plate as a solid.")] = False
+    hole: Annotated[Texts, typer.Option(help='Hole "x,y,radius" in the plate, m; it becomes a solid.')] = None
+    young: Annotated[float, typer.Option(help="Young's modulus, N/m².")] = 2e10
+    poisson: Annotated[float, typer.Option(help="Poisson's ratio.")] = 0.3
+    density: Annotated[float, typer.Option(help="Density, kg/m³.")] = 7.5e3
     unit: Annotated[
         str | None,
         typer.Option(help='Unit of the file\'s numbers: "mm", "m", "inch"; STEP files name theirs.'),
-    ] = None,
-    size: Annotated[float | None, typer.Option(help="Largest edge of a solid's elements, m.")] = None,
-    refine: Annotated[int | None, typer.Option(help="Halvings of a plate's mesh; by default enough.")] = None,
+    ] = None
+    size: Annotated[float | None, typer.Option(help="Largest edge of a solid's elements, m.")] = None
+    refine: Annotated[int | None, typer.Option(help="Halvings of a plate's mesh; by default enough.")] = None
     attach: Annotated[
-        list[str] | None,
+        Texts,
         typer.Option(
             "--attach", "-a", help='Joint "x,y,z", m; repeat it. By default the corners of a plate.'
         ),
-    ] = None,
-    tool: Annotated[str | None, typer.Option(help='Where wrenches act, "x,y,z", m.')] = None,
-    radius: Annotated[float | None, typer.Option(help="Radius of a joint's patch on a solid, m.")] = None,
-    count: Annotated[
-        int | None,
-        typer.Option("--modes", help="Free-free modes; by default as many as the tolerance needs."),
-    ] = None,
-    free: Annotated[bool, typer.Option("--free", help="Free-free modes only, no attachment modes.")] = False,
-    tolerance: Annotated[float, typer.Option(help="Of the basis, where --modes is not given.")] = 0.01,
-    program: Program = None,
-    file: Files = None,
-    units: Units = "",
-    node: Nodes = None,
-    damping: Annotated[float, typer.Option(help="Damping ratio of all modes.")] = 0.0,
-    out: Out = Path("parflex-modes"),
-    image: ImageFormat = "png",
-) -> None:
+    ] = None
+    tool: Annotated[str | None, typer.Option(help='Where wrenches act, "x,y,z", m.')] = None
+    radius: Annotated[float | None, typer.Option(help="Radius of a joint's patch on a solid, m.")] = None
+    modes: Annotated[
+        int | None, typer.Option(help="Free-free modes; by default as many as the tolerance needs.")
+    ] = None
+    free: Annotated[bool, typer.Option("--free", help="Free-free modes only, no attachment modes.")] = False
+    tolerance: Annotated[float, typer.Option(help="Error of the basis, where --modes is not given.")] = 0.01
+    program: Program = None
+    file: Files = None
+    units: Units = ""
+    node: Nodes = None
+    damping: Annotated[float, typer.Option(help="Damping ratio of all modes.")] = 0.0
+    out: Out = Path("parflex-modes")
+    image: ImageFormat = "png"
+
+    @property
+    def imports(self) -> bool:
+        """True where the modes come from another program."""
+        return self.program is not None or bool(self.file or self.units or self.node)
+
+    @property
+    def is_papers(self) -> bool:
+        """True where nothing says what the body is: it is the plate of the paper."""
+        return self.source is None and self.corner is None and not self.hole
+
+    @property
+    def joints(self) -> list[tuple[float, ...]]:
+        """The places (k, 3) m where legs hold."""
+        return [numbers("--attach", text) for text in self.attach or ()]
+
+
+def run(options: Options) -> None:
     """Compute a platform's modes: a check report, a table, a picture, and a modal file for robots.
 
     Without a source and corners it is the paper's hexagon with the paper's ten free-free modes. Anything
@@ -78,166 +98,118 @@ def modes(
     `parflex modes --from nastran --file op2=plate.op2 --file bulk=plate.dat --units in-lbf --node 1 --node 11
     --node 21`
     """
-    from parflex.fe import FreeFree, FreeFreeWithAttachment, outline_mesh, with_mesh_error
-
-    check_format(image)
-    material = {"young": young, "poisson": poisson, "density": density}
-    joints = [numbers("--attach", text, 3) for text in attach or ()]
-    places: dict[str, Any] = {"radius": radius, "tool": None if tool is None else numbers("--tool", tool, 3)}
-    outline = paper_corners() if corner is None else [numbers("--corner", text, 2) for text in corner]
-    holes = [numbers("--hole", text, 3) for text in hole or ()]
-    paper = source is None and corner is None and not holes
-    if source is not None and (corner or holes):
-        raise InputError("--corner and --hole describe a plate; leave them out, or the file")
-    if source is not None and not joints:
-        raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
-    check_writable(out)
     start = time.perf_counter()
-    if program is not None or file or units or node:
-        if source is not None or corner or holes or tool or free:
-            raise InputError(
-                "--from imports modes; leave out what describes a body or basis of parflex's own"
-            )
+    check(options)
+    if options.imports:
         step(start, "reading the files")
-        found = imported(program, file or [], units, count, node or [], joints, radius)
-        finish(found, (), out, None, damping, image, start)
-        return
+        found, material = imported(options), None
+    else:
+        found, material = computed(options, start)
+    report(found, material, published(options))
+    save(found, options, start)
+
+
+modes = command_of("modes", Options, run)
+
+
+def check(options: Options) -> None:
+    """Raise InputError for options that contradict one another, and where nothing can be written."""
+    check_format(options.image)
+    plate = options.corner or options.hole
+    if options.source is not None and plate:
+        raise InputError("--corner and --hole describe a plate; leave them out, or the file")
+    if options.source is not None and not options.joints:
+        raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each, in metres')
+    if options.imports and (options.source is not None or plate or options.tool or options.free):
+        raise InputError("--from imports modes; leave out what describes a body or basis of parflex's own")
+    check_writable(options.out)
+
+
+def imported(options: Options) -> "ComputedModes":
+    """The modes of another program's files, held at nodes by number or at points."""
+    from parflex.fe import import_modes
+
+    held = (node_ids(options.node or []), options.joints or None, options.radius)
+    return import_modes(
+        options.program or "", named_files(options.file or []), options.units, options.modes, *held
+    )
+
+
+def computed(options: Options, start: float) -> "tuple[ComputedModes, Material]":
+    """The modes of a plate, a STEP file or a mesh, and its material."""
+    from parflex.fe import Material, with_mesh_error
+
+    material = Material(options.young, options.poisson, options.density)
+    outline = [numbers("--corner", text) for text in options.corner or ()] or paper_corners()
+    holes = [numbers("--hole", text) for text in options.hole or ()]
+    tool = None if options.tool is None else numbers("--tool", options.tool)
     step(start, "meshing")
-    if source is not None:
-        subject = of_file(source, unit, size, material)
-    elif solid or holes:
-        subject = of_solid(partial(outline_mesh, outline, thickness, holes), size, material)
-    else:
-        subject = of_plate(outline, thickness, material, refine)
-    places["points"] = joints or ([(x, y, 0.0) for x, y in outline] if solid or holes else None)
+    body = source(options, outline, holes, material)
     step(start, "computing the modes")
-    if free or (paper and not joints):
-        found = subject.modes(FreeFree(10 if count is None else count, **places))
-    elif count is not None:
-        found = subject.modes(FreeFreeWithAttachment(count, **places))
-    else:
-        first = subject.modes(FreeFreeWithAttachment(1, **places))
-        found = subject.modes(first.converged(tolerance).reduction.basis)
-    if subject.coarse is not None:
+    is_solid = options.source is None and bool(options.solid or holes)
+    joints = options.joints or ([(x, y, 0.0) for x, y in outline] if is_solid else None)
+    free = options.free or (options.is_papers and not options.joints)
+    found = body.modes(body.basis(options.modes, free, options.tolerance, joints, tool, options.radius))
+    if body.coarse is not None:
         step(start, "comparing with a coarser mesh")
-        found = with_mesh_error(found, subject.coarse())
-    origin = (0.0, 0.0, 0.0) if paper else None
-    finish(found, published(paper, thickness, material), out, origin, damping, image, start)
+        found = with_mesh_error(found, body.coarse())
+    return found, material
 
 
-def finish(
-    found: Any,
-    table_2: tuple[float, ...],
-    out: Path,
-    origin: tuple[float, ...] | None,
-    damping: float,
-    image: str,
-    start: float,
-) -> None:
-    """The report, the modal file, the picture."""
-    from parflex.fe.modal_file import write_modes
+def source(options: Options, outline: Any, holes: Any, material: "Material") -> "Source":
+    """The body that the options describe."""
+    from parflex.fe import outline_mesh
+    from parflex.fe.sources import file_source, plate_source, solid_source
+
+    if options.source is not None:
+        return file_source(options.source, options.unit, options.size, material)
+    if options.solid or holes:
+        return solid_source(partial(outline_mesh, outline, options.thickness, holes), options.size, material)
+    return plate_source(outline, options.thickness, material, options.refine)
+
+
+def save(found: "ComputedModes", options: Options, start: float) -> None:
+    """Write the modal file and the picture."""
+    from parflex.fe import write_modes
     from parflex.views import plot
 
-    report(found, table_2)
-    file = write_modes(found, out / "modes.h5", origin=origin, damping_ratio=damping)
+    origin = (0.0, 0.0, 0.0) if options.is_papers and not options.imports else None
+    file = write_modes(found, options.out / "modes.h5", origin=origin, damping_ratio=options.damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
     console.print(
         f"[bold]{escape(str(file))}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True
     )
     if len(found.frequencies) and len(found.triangles):
         step(start, "drawing the shapes")
-        [picture] = plot.save({"modes": plot.mode_shapes(found)}, out, image)
+        [picture] = plot.save({"modes": plot.mode_shapes(found)}, options.out, options.image)
         console.print(f"shapes drawn in [bold]{escape(str(picture))}[/]")
 
 
-class Subject(NamedTuple):
-    """What modes are computed of: those of a basis, and the same body of larger elements, if there is one."""
-
-    modes: Callable[[Any], Any]
-    coarse: Callable[[], Any] | None
-
-
-def of_file(source: Path, unit: str | None, size: float | None, material: dict[str, float]) -> Subject:
-    """A STEP file, or a mesh, which has no coarser one."""
-    from parflex.fe import Material, mesh_from, solid_body, step_mesh
-
-    if source.suffix.lower() in (".step", ".stp"):
-        return of_solid(partial(step_mesh, source, unit=unit), size, material)
-    body = solid_body(mesh_from(source, unit, size), Material(**material))
-    return Subject(lambda basis: basis.modes(body), None)
-
-
-def of_solid(mesh_of: Callable[..., Any], size: float | None, material: dict[str, float]) -> Subject:
-    """What Netgen meshes."""
-    from parflex.fe import Material, solid_body
-
-    mesh, made_of = mesh_of(size=size), Material(**material)
-    body = solid_body(mesh, made_of)
-    return Subject(
-        lambda basis: basis.modes(body), lambda: solid_body(mesh_of(size=COARSER * mesh.size), made_of)
-    )
-
-
-def of_plate(outline: Any, thickness: float, material: dict[str, float], refine: int | None) -> Subject:
-    """A thin plate, which brings the change from a coarser mesh itself."""
-    from parflex.fe import plate_modes
-
-    return Subject(
-        lambda basis: plate_modes(outline, thickness, **material, n_modes=basis, refine=refine), None
-    )
-
-
-def numbers(option: str, text: str, count: int) -> tuple[float, ...]:
-    """Coordinates from "x,y"."""
+def numbers(option: str, text: str) -> tuple[float, ...]:
+    """Coordinates from "x,y". Raises InputError for another text."""
+    count = SHAPES[option].count(",") + 1
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:
         found = ()
     if len(found) != count:
-        shape = "x,y,z" if count == 3 else "x,y"
-        shape = "x,y,radius" if option == "--hole" else shape
         raise InputError(
-            f'{option} is {text!r}; write it as "{shape}" in metres, like {"0.5,0.2,0.1"[: 4 * count - 1]}'
+            f'{option} is {text!r}; write it as "{SHAPES[option]}" in metres, like '
+            f"{'0.5,0.2,0.1'[: 4 * count - 1]}"
         )
     return found
 
 
-def report(found: Any, table_2: tuple[float, ...]) -> None:
-    """Frequencies, notes, and the check report."""
-    from parflex.fe import check_rows
-
-    console.print(frequency_table(found, table_2))
-    for note in found.notes:
-        console.print(f"[yellow]note[/] {escape(note)}")
-    table = Table("check", "found", title=escape(found.source), title_justify="left")
-    for row in check_rows(found):
-        table.add_row(*map(escape, row))
-    console.print(table)
-
-
-def published(paper: bool, thickness: float, material: dict[str, float]) -> tuple[float, ...]:
-    """Table 2, where the plate is the paper's."""
+def published(options: Options) -> tuple[float, ...]:
+    """The paper's Table 2, where the plate is the paper's."""
     from parflex.robots.gough_stewart import PLATE, TABLE_2
 
-    return TABLE_2 if paper and {"thickness": thickness, **material} == PLATE else ()
+    same = not options.imports and options.is_papers and PLATE.items() <= asdict(options).items()
+    return TABLE_2 if same else ()
 
 
 def paper_corners() -> Any:
-    """Of the paper's hexagon."""
+    """The corners of the paper's hexagon."""
     from parflex.robots.gough_stewart import corners
 
     return corners()
-
-
-def frequency_table(found: Any, table_2: tuple[float, ...]) -> Table:
-    """Frequencies, their estimated error, and the published ones where there are any."""
-    heads = ["mode", "rad/s", "Hz", "change from coarser mesh"]
-    table = Table(*heads, *(["Table 2", "difference"] if table_2 else []), title="Elastic modes")
-    for k, omega in enumerate(found.frequencies):
-        error = found.frequency_error[k]
-        change = "unknown" if isnan(error) else f"{100 * error:.3f} %"
-        row = [f"{k + 1}", f"{omega:.3f}", f"{omega / (2 * pi):.3f}", change]
-        if k < len(table_2):
-            row += [f"{table_2[k]:.3f}", f"{100 * (omega / table_2[k] - 1):+.2f} %"]
-        table.add_row(*row)
-    return table

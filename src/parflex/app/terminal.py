@@ -1,9 +1,11 @@
 """What the commands share: the console, options, and checks before any work."""
 
+import inspect
 import tempfile
 import time
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, get_type_hints
 
 import typer
 from rich.console import Console
@@ -37,3 +39,15 @@ def check_writable(folder: Path) -> None:
             pass
     except OSError as error:
         raise InputError(f"--out {folder} cannot be written to: {error.strerror or error}") from None
+
+
+def command_of(name: str, options: type, run: Callable[[Any], None]) -> Callable[..., None]:
+    """A command for Typer whose parameters are the fields of a dataclass, and whose help is that of `run`."""
+
+    def command(**given: Any) -> None:
+        run(options(**given))
+
+    command.__name__, command.__doc__ = name, run.__doc__
+    command.__annotations__ = get_type_hints(options, include_extras=True)
+    command.__signature__ = inspect.signature(options)  # type: ignore[attr-defined]
+    return command

@@ -33,15 +33,12 @@ def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
 
 def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
     """A solid with computed modes, held at patches of its surface."""
-    from parflex.fe import FreeFreeWithAttachment, Material, mesh_from, modes, solid_body
+    from parflex.fe import Material, mesh_from, modes, solid_body
 
     mesh = mesh_from(folder / table.file, table.unit, table.size)
     body = solid_body(mesh, Material(table.young, table.poisson, table.density))
     places = (table.attachments, table.tool, table.radius)
-    if table.modes is None:
-        found = modes(body, *places)
-    else:
-        found = FreeFreeWithAttachment(table.modes, *places).modes(body)
+    found = modes(body, *places, n=table.modes)
     return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
 
 

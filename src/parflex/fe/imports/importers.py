@@ -6,14 +6,14 @@ from os import PathLike
 from numpy.typing import ArrayLike
 
 from parflex.base.errors import InputError
+from parflex.fe import sources
 from parflex.fe.body.attach import attached, first
-from parflex.fe.body.basis import ComputedModes, FreeFreeWithAttachment
+from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.imports import matrices, modal_arrays
 from parflex.fe.imports.calculix import calculix, storage
 from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.nastran import nastran
-from parflex.fe.sources import modes as right_modes
 
 IMPORTERS = (
     nastran.IMPORTER,
@@ -54,25 +54,12 @@ def import_modes(
         raise InputError(f"{wrong}; {importer.takes}")
     read = importer.read(**given, units=units)
     if isinstance(read, FreeBody):
-        return computed(read, modes, ids, points, radius)
+        if ids is not None or points is None:
+            raise InputError(
+                "points is not given; name the points at which legs hold: matrices have no modes yet"
+            )
+        return sources.modes(read, points, radius=radius, n=modes)
     found = first(read, modes)
     if ids is None and points is None:
         return found
     return attached(found, ids, points, radius)
-
-
-def computed(
-    body: FreeBody,
-    modes: int | None,
-    ids: Sequence[int | Sequence[int]] | None,
-    points: ArrayLike | None,
-    radius: float | None,
-) -> ComputedModes:
-    """The modes of matrices in the basis that is right for joints."""
-    if ids is not None or points is None:
-        raise InputError(
-            "points is not given; name the points at which legs hold: matrices have no modes yet"
-        )
-    if modes is None:
-        return right_modes(body, points, radius=radius)
-    return FreeFreeWithAttachment(modes, points, radius=radius).modes(body)
