@@ -28,7 +28,7 @@ def flown(modes: pf.Modes):
     robot = pf.robots.gough_stewart(platform=body)
     model, way = pf.Model(robot), paper.trajectory(robot)
     times, start = np.linspace(0, SHAKE, 71), model.equilibrium(*robot.home_pose)[0]
-    run = pf.simulate(model, pf.ComputedTorque(model, way), start, times, 1e-6, 1e-8, max_step=0.02)
+    run = pf.simulate(model, pf.ComputedTorque(model, way), start, times, rtol=1e-6, atol=1e-8, max_step=0.02)
     return run.dataset["forces"].values, run.dataset["attachment_deformation"].values
 
 

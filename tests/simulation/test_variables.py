@@ -32,8 +32,7 @@ def recorded(model_of):
     law = pf.JointPD(model, state, 0.0, 0.0, forces).bind(model, Loads(model, ()))
     states = [state, pf.State(state.position, state.rotation, (3.0, 4, 0, 0, 0, 0), state.elastic)]
     y = np.array([np.append(model.flat(each), np.zeros(WORKS)) for each in states])
-    run = Run(TIMES[:2], [y], TIMES[1])
-    run.done = 2
+    run = Run(TIMES[:2], [y], TIMES[1], done=2)
     replay = law.replay(run.t, run.x)
     return record(model, run, replay, None, {}, variables=(*ALL_VARIABLES, SPEED, NOTHING))
 

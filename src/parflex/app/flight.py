@@ -36,7 +36,9 @@ def fly(
     controller = planned_controller(plan, model, start, way)
     say(f"flying the trajectory ({way.duration:.4g} s)")
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))
-    result = simulate(model, controller, start.state, times, table.rtol, table.atol, max_step=table.max_step)
+    result = simulate(
+        model, controller, start.state, times, rtol=table.rtol, atol=table.atol, max_step=table.max_step
+    )
     result.dataset.attrs["robot"] = file.name
     result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)
     return Flight(model, result)

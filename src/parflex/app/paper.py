@@ -60,7 +60,7 @@ def run(
     count = round(way.duration / SAMPLE_TIME) + 1
     say(f"flying the trajectory ({way.duration:.1f} s)")
     times = np.linspace(0.0, way.duration, count)
-    result = simulate(model, controller, start, times, RTOL, ATOL)
+    result = simulate(model, controller, start, times, rtol=RTOL, atol=ATOL)
     result.dataset.attrs["robot"] = "Gough-Stewart robot of Section 6"
     result.dataset.attrs["notes"] = "\n".join(frequency_notes(computed, frequencies))
     return PaperRun(computed, robot, way, result)

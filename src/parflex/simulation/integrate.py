@@ -1,7 +1,7 @@
 """The integration of a run: a stepper advances, observers look, rows at the output times are kept."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +24,7 @@ class Run:
     reached: float  # s
     stopped: str = ""  # when and why it ended early; empty where it did not
     cause: BaseException | None = None  # what was raised by others, if that ended it
-    done: int = field(init=False, default=1)  # rows
+    done: int = 1  # rows
 
     @property
     def left(self) -> Array:

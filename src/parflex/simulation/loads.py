@@ -15,7 +15,7 @@ from parflex.robot.wrench import Wrench
 if TYPE_CHECKING:
     from parflex.model.model import Model
 
-Given = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
+Wrenches = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
 
 
 class Loads:
@@ -27,7 +27,7 @@ class Loads:
     Raises InputError for a batch of wrenches, and as `wrench.generalised_force`.
     """
 
-    def __init__(self, model: "Model", wrenches: Given) -> None:
+    def __init__(self, model: "Model", wrenches: Wrenches) -> None:
         self._model, self._body = model, model.robot.platform
         self._function = wrenches if callable(wrenches) else None
         self._none = np.zeros(6 + self._body.modes)

@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from parflex.analysis.singularities import Watch
 from parflex.base.array import Array
 from parflex.base.progress import Progress
 from parflex.kernels.projection import projection
 from parflex.mechanics.closure import CLOSED, size_of
 from parflex.mechanics.legs.base import MARGINS
 from parflex.model.model import Model
-from parflex.simulation.laws.law import WORKS, Watch
+from parflex.simulation.laws.law import WORKS
 from parflex.simulation.steppers.stepper import Stepper
 
 DIVERGES = "the step size vanished: it diverges"

@@ -1,7 +1,6 @@
 """Simulation: the direct model integrated in time, driven by forces or a controller (Fig. 3)."""
 
 import warnings
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +13,11 @@ from parflex.base.progress import Progress
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.integrate import Run, integrate
-from parflex.simulation.laws import controller_of
+from parflex.simulation.laws import Controller, controller_of
 from parflex.simulation.laws.bound import BoundLaw
+from parflex.simulation.laws.called import ForceFunction
 from parflex.simulation.laws.law import WORKS
-from parflex.simulation.loads import Given, Loads
+from parflex.simulation.loads import Loads, Wrenches
 from parflex.simulation.observers import Bar, Closure, Crawl, Observer, Singularities
 from parflex.simulation.record import record
 from parflex.simulation.result import Result, RunStopped
@@ -30,12 +30,13 @@ ENDS = (None, "raise", "return")  # for on_stop
 
 def simulate(
     model: Model,
-    forces_or_controller: Any,
+    forces_or_controller: ArrayLike | Controller | ForceFunction,
     state: State,
     t: ArrayLike,
+    *,
     rtol: float = 1e-8,
     atol: float = 1e-10,
-    wrenches: Given = (),
+    wrenches: Wrenches = (),
     max_step: float | None = None,
     method: str = "DOP853",
     on_stop: str | None = None,
@@ -52,10 +53,10 @@ def simulate(
     actuators, wrenches and damping are integrated with the state.
 
     A run that ends early keeps what was reached: its result is `partial`, and `stopped` says why. By
-    default an error in a caller's function, other than an InputError, raises RunStopped from that
-    error, with the result as its `result`; after Ctrl-C, an InputError, a step size that vanishes, a
-    pose out of reach or a singular one, the result is returned with a warning (PartialRun).
-    on_stop="raise" raises RunStopped after all of these, on_stop="return" returns and warns.
+    default, an error in a caller's function (other than an InputError) raises RunStopped from that error,
+    with the result as its `result`; after Ctrl-C, an InputError, a step size that vanishes, a pose out
+    of reach or a singular one, the result is returned with a warning (PartialRun). on_stop="raise"
+    raises RunStopped after all of these, on_stop="return" returns and warns after all of them.
 
     Raises InputError before any work for wrong shapes, times that do not increase, or a start that
     the model or controller refuses.
@@ -73,6 +74,19 @@ def simulate(
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
     controller = controller_of(model, forces_or_controller)
     law = controller.bind(model, Loads(model, wrenches))
+    run = run_of(model, law, start, times, method, tolerances)
+    replay = law.replay(run.t, run.x)
+    if not run.stopped and replay.raised is not None:
+        run.fail(replay.raised, "after the run, when called for the record")
+    settings = {"integrator": method, **tolerances}
+    result = Result(lambda: record(model, run, replay, controller.trajectory, settings), run.stopped)
+    return ended(result, run, on_stop)
+
+
+def run_of(
+    model: Model, law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float]
+) -> Run:
+    """The law's motion from a flat state (size,) on; raises InputError where the start is refused."""
     y = np.concatenate([start, np.zeros(WORKS)])
 
     def begin() -> Stepper:
@@ -83,13 +97,7 @@ def simulate(
         observers = observers_of(model, law, times, bar)
         for observer in observers:
             observer.begin(y)
-        run = integrate(times, y, begin, observers)
-    replay = law.replay(run.t, run.x)
-    if not run.stopped and replay.raised is not None:
-        run.fail(replay.raised, "after the run, when called for the record")
-    settings = {"integrator": method, **tolerances}
-    result = Result(lambda: record(model, run, replay, controller.trajectory, settings), run.stopped)
-    return ended(result, run, on_stop)
+        return integrate(times, y, begin, observers)
 
 
 def checked_tolerances(rtol: float, atol: float, max_step: float) -> dict[str, float]:

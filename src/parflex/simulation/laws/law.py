@@ -2,10 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
+from parflex.analysis.singularities import Watch
 from parflex.base.array import Array
 from parflex.kernels.kernel import Kernel
 from parflex.mechanics.output import Output
@@ -41,16 +42,6 @@ class Replay(NamedTuple):
     contact: Array  # contact forces by tip (T, 3k)
     load: Array  # external generalised forces (T, 6 + N)
     raised: BaseException | None = None  # the first thing that a caller's function raised
-
-
-class Watch(Protocol):
-    """Something that looks at a motion, and knows where it meets a singularity."""
-
-    def look(self, x: Array) -> tuple[int, str]:
-        """How many of the flat states (T, size) come before a singularity; and which, empty for none."""
-
-    def explain(self) -> str:
-        """Why the motion may have failed after the last look; empty where nothing is known."""
 
 
 @dataclass(frozen=True)
