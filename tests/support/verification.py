@@ -3,7 +3,6 @@
 The documentation's tables are made from build/verification.json, so that no figure in them is typed.
 """
 
-import ast
 import inspect
 import json
 import re
@@ -28,7 +27,10 @@ def pytest_assertion_pass(item, lineno: int, orig: str, expl: str) -> None:
     if not 0 < limit <= 1e-2:  # an accuracy, not a count
         return
     test = getattr(item, "originalname", item.name)
-    row = measured.setdefault(f"{place(item)}::{test}", about(item) | {"ratio": -1.0, "cases": []})
+    key = f"{place(item)}::{test}"
+    if key not in measured:
+        measured[key] = about(item) | {"ratio": -1.0, "cases": []}
+    row = measured[key]
     if item.name not in row["cases"]:
         row["cases"].append(item.name)
     if abs(value) / limit > row["ratio"]:
@@ -43,7 +45,7 @@ def place(item) -> str:
 def about(item) -> dict:
     """In words: the file's subject, and what the test checks."""
     words = inspect.getdoc(item.obj) or item.originalname.removeprefix("test_").replace("_", " ")
-    module = ast.get_docstring(ast.parse(item.path.read_text())) or item.path.stem
+    module = item.module.__doc__ or item.path.stem
     return {"file": place(item), "subject": module.split("\n\n")[0], "what": words.split("\n\n")[0]}
 
 
