@@ -228,6 +228,7 @@ def test_nearest_names(parflex, tmp_path):
     assert "did you mean result.nc?" in err
 
 
+@pytest.mark.slow
 def test_paper_ends_with_what_to_do_next_and_that_works(parflex, tmp_path):
     code, out, err = parflex("paper", "--modes", "2", "--out", "here")
     assert code == 0, err

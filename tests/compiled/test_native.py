@@ -37,7 +37,7 @@ def alike(found, expected, tolerance):
         assert relative(a / scale, b / scale) <= tolerance
 
 
-@pytest.mark.parametrize("modes", [0, 10])
+@pytest.mark.parametrize("modes", [0, pytest.param(10, marks=pytest.mark.slow)])
 def test_same_numbers_as_the_virtual_machine(model_of, modes):
     """One state and a batch of 67, whose last block overlaps; on all processors, too."""
     vm = model_of(modes, "vm")
@@ -166,6 +166,7 @@ Path.write_bytes = half
 """
 
 
+@pytest.mark.slow
 def test_two_at_once_and_one_that_died(own_cache):
     """Processes that keep the same kernel, after one that ended amid its writing, leave a whole cache."""
 

@@ -32,6 +32,7 @@ def test_imported_platform(tmp_path):
     assert loaded(pf.robots.gough_stewart(0), table, tmp_path).platform.modes == table["modes"]
 
 
+@pytest.mark.slow
 def test_modal_file_and_step_file(tmp_path):
     pytest.importorskip("netgen.occ")
     modal, solid = tables("platforms.md")

@@ -25,6 +25,7 @@ def run(source: str, folder: Path) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
 def test_example(example, tmp_path):
     run(example.read_text(), tmp_path)
@@ -36,6 +37,7 @@ def test_there_are_examples():
     assert len(EXAMPLES) >= 3
 
 
+@pytest.mark.slow
 def test_snippet_on_parameters(tmp_path):
     (snippet,) = re.findall(r"```python\n(.*?)```", (DOCS / "parameters.md").read_text(), re.DOTALL)
     run(snippet + "assert acc.platform.shape == (10_000, 6) and not run.partial", tmp_path)

@@ -48,6 +48,7 @@ ROBOTS = {
     "carried": (lambda: carried().robot, carried().output),
     "mixed": (mixed, pf.FrameOutput()),
 }
+SLOWER = [pytest.param(name, marks=pytest.mark.slow) for name in ("gough_stewart", "mixed")]
 
 
 @pytest.fixture(scope="module")
@@ -80,7 +81,7 @@ def compiled(at, level="-O0"):
 
 
 @compiled_here
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", ["delta", "carried", *SLOWER])
 def test_self_test_passes_and_the_library_agrees(folder_of, name):
     at = folder_of(name)
     library = compiled(at, "-O1" if name == "gough_stewart" else "-O0")

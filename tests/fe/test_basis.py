@@ -93,6 +93,7 @@ def test_converged_is_the_smallest(hexagon):
     assert far.pinned[-1] <= 1000.0 < 1.5 * far.pinned[-1]
 
 
+@pytest.mark.slow
 def test_unreachable_tolerance_is_said(hexagon):
     with pytest.raises(pf.NotConverged, match="96 free–free modes with attachment modes do not meet"):
         pf.fe.FreeFree(1).modes(hexagon).converged(1e-9, up_to=3000.0)

@@ -48,6 +48,7 @@ def test_thin_square_plate():
     assert np.max(np.abs(factors / SQUARE - 1)) <= 1e-3
 
 
+@pytest.mark.slow
 def test_error_estimate_bounds_the_error():
     """At each mesh the estimate is above the difference from a mesh two refinements finer."""
     best = pf.fe.plate_modes(corners(), n_modes=9, refine=4, **PLATE).frequencies

@@ -1,9 +1,12 @@
 """The paper's plate as a solid, against converged values of other elements."""
 
 import numpy as np
+import pytest
 
 import parflex as pf
 from paper_robot import PLATE, corners
+
+pytestmark = pytest.mark.slow
 
 # ν = 0.3, elastic modes 1, 3, 4, 5, 6, 8, 10 (rad/s): the values that solid elements of other kinds and
 # 30,000 to 400,000 unknowns tend to; a thin plate (test_plate.py) has up to 1.1 % more, having no shear.

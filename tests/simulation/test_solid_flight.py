@@ -7,6 +7,8 @@ import parflex as pf
 from paper_robot import PLATE, corners, held
 from parflex.app import paper
 
+pytestmark = pytest.mark.slow
+
 END = 0.9  # s: rest, and a third of the first move
 
 

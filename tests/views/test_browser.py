@@ -230,6 +230,7 @@ def test_playing_goes_on_and_pausing_stops(page):
     page.page.locator("#speed").select_option("1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "height"), [(1280, 720), (1920, 1080), (600, 900)])
 def test_picture_at_window_sizes(open_page, exported, width, height):
     """The robot is there, and no control is outside the window."""
@@ -246,6 +247,7 @@ def test_picture_at_window_sizes(open_page, exported, width, height):
     assert canvas["height"] > 250
 
 
+@pytest.mark.slow
 def test_live_page_follows_its_file(open_page, saved, tmp_path):
     """Served by the command; where the file is written anew, the page shows the new one."""
     path = tmp_path / "live.nc"
@@ -293,6 +295,7 @@ def spoiled(data, name: str):
     return data.drop_vars(["position"]), "where the platform is (position)"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["partial", "other version", "no mesh", "no platform", "no position"])
 def test_what_is_missing_is_said_and_the_rest_is_shown(open_page, run, tmp_path, name):
     data, words = spoiled(run.dataset.copy(), name)
@@ -330,6 +333,7 @@ def jupyterlab(folder: Path):
             server.wait(timeout=PATIENCE)
 
 
+@pytest.mark.slow
 def test_notebook_in_jupyterlab(open_page, saved, run, tmp_path):
     """A cell that is run there: its frame plays, and the slider puts the platform where the dataset says."""
     import nbformat
@@ -358,6 +362,7 @@ def test_notebook_in_jupyterlab(open_page, saved, run, tmp_path):
     assert [url for url in page.asked if not url.startswith(own)] == []
 
 
+@pytest.mark.slow
 def test_stress_in_the_page_is_that_of_the_recovery(open_page, tmp_path):
     """A solid plate in its first mode: the page's von Mises stress at every node, to single precision."""
     import xarray as xr
