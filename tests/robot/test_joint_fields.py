@@ -14,6 +14,7 @@ from parflex.mechanics.chain import chain_of, stretch
 from parflex.mechanics.legs.base import joints_at
 from parflex.robot.fields import about, described, number
 
+DOCS = Path(__file__).parents[2] / "docs"
 CUBIC = kinds.ByType(kinds.Kind("a stiffness", "N m/rad^3", "30"), kinds.Kind("a stiffness", "N/m^3", "2e5"))
 
 
@@ -102,9 +103,11 @@ def test_it_is_in_the_schema():
 
 
 def test_the_documentation_has_a_row_for_each_field():
-    page = (Path(__file__).parents[2] / "docs" / "robot-files.md").read_text(encoding="utf-8")
+    page = (DOCS / "robot-files.md").read_text(encoding="utf-8")
     for column in described(pf.Joint).values():
         if column.file:
             first = np.reshape(column.default, -1)[0]
             default = "none" if np.isinf(first) else f"{first:g}"
             assert f"| `{column.file}` | {column.words} | {column.kind.unit} | {default} |\n" in page
+    parameters = ", ".join(f"`{name}`" for name, column in described(pf.Joint).items() if column.parameter)
+    assert f"X one of {parameters}, " in (DOCS / "parameters.md").read_text(encoding="utf-8")

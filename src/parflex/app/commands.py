@@ -55,7 +55,7 @@ def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat
 
     check_format(image)
     file = read_robot(robot)
-    console.print(f"[bold]{escape(file.name or robot.name)}[/] {escape(file.source)}")
+    console.print(f"[bold]{escape(file.table.name or robot.name)}[/] {escape(file.table.source)}")
     console.print(table_of(overview.LEG_HEADS, overview.leg_rows(file)))
     for line in overview.facts(file.robot):
         console.print(line)

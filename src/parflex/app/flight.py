@@ -39,7 +39,7 @@ def fly(
     result = simulate(
         model, controller, start.state, times, rtol=table.rtol, atol=table.atol, max_step=table.max_step
     )
-    result.dataset.attrs["robot"] = file.name
+    result.dataset.attrs["robot"] = file.table.name
     result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)
     return Flight(model, result)
 

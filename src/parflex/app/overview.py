@@ -23,11 +23,11 @@ def leg_rows(file: "RobotFile") -> Rows:
     """The legs: chain, joints with a star where there is a motor, leg type, place, attachments, mass."""
     kinds = {number: group.type.name for group in file.robot.groups for number in group.legs}
     rows: Rows = []
-    for number, (leg, chain) in enumerate(zip(file.robot.legs, file.chains, strict=True)):
+    for number, (leg, row) in enumerate(zip(file.robot.legs, file.table.leg, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)
         mass = sum(joint.M for joint in leg.joints)
         rows.append(
-            (str(number + 1), chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
+            (str(number + 1), row.chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
         )
     return rows
 

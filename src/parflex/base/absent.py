@@ -1,4 +1,4 @@
-"""What to say of a file that is not there."""
+"""The complaint about a file that is not there."""
 
 from difflib import get_close_matches
 from pathlib import Path

@@ -15,14 +15,14 @@ ORTHONORMAL = 1e-9  # RᵀR − 1 of what is still a rotation
 
 
 class Rule(NamedTuple):
-    """What a value must keep: where an array breaks it, and the rule in words."""
+    """A rule for values: a function that tells where an array breaks it, and its words."""
 
     broken: Callable[[Array], Any]
     words: str
 
 
 def unsymmetric(matrix: Array) -> Any:
-    """Where matrices (…, n, n) differ from their transposes by more than 1e-12 of their size."""
+    """True where matrices (…, n, n) differ from their transposes by more than 1e-12 of their size."""
     size = np.max(np.abs(matrix), axis=(-2, -1), keepdims=True)
     return np.abs(matrix - transpose(matrix)) > 1e-12 * size
 
@@ -94,7 +94,7 @@ def finite(name: str, value: ArrayLike, shape: tuple[int | None, ...] | None = N
 
 
 def fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
-    """Whether the last axes are as wanted (None: any length); all of them for ()."""
+    """True where the last axes are as wanted (None: any length); all of them for ()."""
     trailing = shape[len(shape) - len(wanted) :] if wanted else shape
     return trailing == wanted or (
         len(trailing) == len(wanted)
@@ -103,7 +103,7 @@ def fits(shape: tuple[int, ...], wanted: tuple[int | None, ...]) -> bool:
 
 
 def exactly(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> Array:
-    """As `finite`, without leading axes."""
+    """A float array of exactly this shape (None: any length)."""
     array = finite(name, value, shape)
     if array.ndim != len(shape):
         wanted = ", ".join("n" if n is None else str(n) for n in shape)

@@ -1,11 +1,11 @@
-"""What the numbers of robots and of files measure: kinds of quantities with their SI units."""
+"""Kinds of quantities with their SI units: what numbers of robots and of files measure."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Kind:
-    """What a number measures: in words, its SI unit, and how it may be written."""
+    """A kind of quantity: its words, its SI unit, and examples of how it may be written."""
 
     words: str
     unit: str

@@ -1,4 +1,4 @@
-"""How a joint stands in a robot file: its table, made of the fields of the joint, and back."""
+"""The table of a joint in a robot file, made of the fields of the joint, read and written."""
 
 from typing import Annotated, Any, ClassVar, Literal
 

@@ -19,7 +19,7 @@ from parflex.robot.leg import Joint, Leg, Tip
 
 
 class Parts(NamedTuple):
-    """What the legs of a chain have in common."""
+    """The joints and tips that the legs of a chain have in common."""
 
     name: str
     table: ChainTable

@@ -1,4 +1,4 @@
-"""Where in a TOML file a value is: found by parsing parts of the file, without a parser of our own."""
+"""The line of a value in a TOML file, found by parsing parts of the file, without a parser of our own."""
 
 import bisect
 import tomllib
@@ -56,12 +56,12 @@ def reached(document: Any, where: Where) -> Where:
 
 
 def leads(document: Any, where: Where) -> bool:
-    """Whether every step leads somewhere."""
+    """True where every step leads somewhere."""
     return len(reached(document, where)) == len(where)
 
 
 def has(node: Any, step: str | int) -> bool:
-    """Whether a table has the key, or an array the entry."""
+    """True where a table has the key, or an array the entry."""
     if isinstance(node, dict):
         return step in node
     return isinstance(node, list) and isinstance(step, int) and step < len(node)

@@ -94,7 +94,7 @@ class SolidTable(Table):
 
 
 def one_or_patch(value: Any) -> str:
-    """Whether a place is one node or a "patch" of several."""
+    """The tag of a place: one "node", or a "patch" of several."""
     return "patch" if isinstance(value, list) else "node"
 
 

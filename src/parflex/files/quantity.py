@@ -45,7 +45,7 @@ def with_unit(text: str, kind: Kind) -> float:
 
 
 def factor(text: str, unit: str, kind: Kind) -> float:
-    """How many SI units of the kind one `unit` is."""
+    """The number of SI units of the kind that one `unit` is."""
     units = unit_registry()
     try:
         given = units.Quantity(1.0, units.parse_units(unit))

@@ -5,7 +5,7 @@ import re
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
+from typing import ParamSpec, TypeVar, cast
 
 from pydantic import ValidationError
 
@@ -32,17 +32,12 @@ class Reader:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self._complaints: list[tuple[int, str]] = []
-        self._text = file_text(self.path)
+        self.text = file_text(self.path)
         try:
-            self._document = tomllib.loads(self._text)
+            self._document = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
-            self._complain(syntax_line(error, self._text), f"not TOML: {syntax_words(error)}")
+            self._complain(syntax_line(error, self.text), f"not TOML: {syntax_words(error)}")
             raise self._told() from None
-
-    @property
-    def text(self) -> str:
-        """The file as it was read."""
-        return self._text
 
     def table(self, kind: type[T]) -> T:
         """The whole file as tables; raises InputError with all that does not fit."""
@@ -50,11 +45,11 @@ class Reader:
             return kind.model_validate(self._document)
         except ValidationError as error:
             for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
-                self._complain(line_of(self._text, where), words)
+                self._complain(line_of(self.text, where), words)
             raise self._told() from None
 
     def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
-        """What `build` makes of its arguments; where that is an InputError, a complaint and None."""
+        """The result of `build`; where it raises InputError, None, and one complaint more."""
         try:
             return build(*args, **kwargs)
         except InputError as error:
@@ -62,12 +57,10 @@ class Reader:
             return None
 
     def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
-        """As `attempt`, but raises at once."""
-        try:
-            return build(*args, **kwargs)
-        except InputError as error:
-            self._locate(where, str(error))
-            raise self._told() from None
+        """The same as `attempt`, but a complaint is raised at once."""
+        found = self.attempt(where, build, *args, **kwargs)
+        self.stop()
+        return cast(R, found)
 
     def stop(self) -> None:
         """Raise InputError if there are complaints."""
@@ -80,7 +73,7 @@ class Reader:
         place = reached(self._document, (*where, field[1] if field else ""))
         named = field is not None and len(place) > len(where)
         words = error[field.end() :] if field and named else f": {error}"
-        self._complain(line_of(self._text, place), field_name(place if named else where) + words)
+        self._complain(line_of(self.text, place), field_name(place if named else where) + words)
 
     def _told(self) -> InputError:
         """The complaints, by line, as one error."""
@@ -114,7 +107,7 @@ def syntax_line(error: tomllib.TOMLDecodeError, text: str) -> int:
 
 
 def syntax_words(error: tomllib.TOMLDecodeError) -> str:
-    """What the parser says, without the place."""
+    """The words of the parser, without the place."""
     words = AT.sub("", str(error))
     ends = " before the file ends" if "end of document" in str(error) else ""
     return f"{words[:1].lower()}{words[1:]}{ends}; is a bracket or a quote missing?"

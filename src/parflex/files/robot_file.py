@@ -19,14 +19,11 @@ from parflex.robot.state import State
 
 
 class RobotFile(NamedTuple):
-    """A robot, what its file says beside, and the file."""
+    """A robot, the tables of its file, and the file."""
 
-    name: str
-    source: str
     robot: Robot
-    chains: tuple[str, ...]  # the name of each leg's chain
-    reader: Reader
     table: RobotTable
+    reader: Reader
 
 
 def load_robot(path: str | os.PathLike[str], *, joint: type[Joint] = Joint) -> Robot:
@@ -44,7 +41,7 @@ def load_robot(path: str | os.PathLike[str], *, joint: type[Joint] = Joint) -> R
 
 
 def read_robot(path: str | os.PathLike[str], joint: type[Joint] = Joint) -> RobotFile:
-    """As `load_robot`, with the names that the file gives."""
+    """The robot of a file, as `load_robot`, with all that the file says."""
     reader = Reader(path)
     table = reader.table(robot_table(joint))
     home = reader.attempt(("home",), checked_pose, table.home)
@@ -53,9 +50,7 @@ def read_robot(path: str | os.PathLike[str], joint: type[Joint] = Joint) -> Robo
     legs = [placed_leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
     body = reader.attempt(("platform",), platform, table.platform, reader.path.parent)
     reader.stop()
-    robot = joined_robot(reader, legs, body, table.gravity, home)
-    chains = tuple(row.chain for row in table.leg)
-    return RobotFile(table.name, table.source, robot, chains, reader, table)
+    return RobotFile(joined_robot(reader, legs, body, table.gravity, home), table, reader)
 
 
 def check_standing(file: RobotFile) -> None:

@@ -87,7 +87,7 @@ def chain_entries(leg: Leg) -> Tables:
 
 
 def leg_entries(leg: Leg, chain: str) -> Tables:
-    """Where a chain stands, and what it holds."""
+    """The table of a leg: the name of its chain, its place and what it holds."""
     row: Tables = {"chain": chain, "attachments": [tip.attachment for tip in leg.tips]}
     row |= {"origin": np.asarray(leg.origin).tolist(), "rotation": np.asarray(leg.rotation).tolist()}
     return row if leg.posture is None else row | {"posture": np.asarray(leg.posture).tolist()}

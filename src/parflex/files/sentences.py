@@ -1,4 +1,4 @@
-"""What pydantic found, in a sentence that names field, value and remedy."""
+"""Sentences for what pydantic finds: each names field, value and remedy."""
 
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
@@ -11,7 +11,7 @@ Schema = dict[str, Any]
 
 
 def sentences(errors: Sequence[Any], document: Any, schema: Schema) -> list[tuple[Where, str]]:
-    """Where each of pydantic's errors is, and in words; `schema` is what the document should fit.
+    """The place and the sentence of each of pydantic's errors; the document should fit the schema.
 
     A field that is missing because its name is misspelt is not told twice, and a file of another
     format is told as that alone.
@@ -27,7 +27,7 @@ def sentences(errors: Sequence[Any], document: Any, schema: Schema) -> list[tupl
 
 
 def place(found: Mapping[str, Any], schema: Schema) -> Where:
-    """Where an error is; for a table of unknown kind, where it says its kind."""
+    """The place of an error; for a table of unknown kind, that of its kind."""
     where: Where = found["loc"]
     if found["type"] != "union_tag_invalid":
         return where
@@ -63,7 +63,7 @@ def field_name(where: Where) -> str:
 
 
 def remedy(schema: Schema, where: Sequence[str | int]) -> str:
-    """What to give for a missing field, where the schema describes it."""
+    """A remedy for a missing field, in the words of the schema where it describes the field."""
     words = node_at(schema, where, schema).get("description", "")
     return f"; give {words}" if words else "; give it"
 

@@ -1,4 +1,4 @@
-"""What the tables of all files share: numbers with units, vectors, rotations, strict keys."""
+"""The types that the tables of all files share: numbers with units, vectors, rotations, strict keys."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ class Table(BaseModel):
 
 @dataclass(frozen=True)
 class Measure:
-    """How pydantic reads a number of a kind that keeps a rule: SI, or a text with a unit."""
+    """A number of a kind that keeps a rule, as pydantic reads it: SI, or a text with a unit."""
 
     kind: Kind
     rule: Rule | None = None
@@ -45,12 +45,12 @@ class Measure:
 
 
 def rows(value: Any) -> str:
-    """How nine or fewer numbers are written: "matrix" for rows, or "list"."""
+    """The way that nine or fewer numbers are written: "matrix" for rows, or "list"."""
     return "matrix" if isinstance(value, list) and value and isinstance(value[0], list) else "list"
 
 
 def several(value: Any) -> str:
-    """Whether there is "one" value for all, or one for "each"."""
+    """The tag of a value: "one" for all, or a list with one for "each"."""
     return "each" if isinstance(value, list) else "one"
 
 
@@ -61,7 +61,6 @@ Whole = Annotated[int, Strict(), Field(ge=0)]
 Number = Annotated[float, Measure(kinds.NUMBER)]
 Length = Annotated[float, Measure(kinds.LENGTH)]
 Angle = Annotated[float, Measure(kinds.ANGLE)]
-Mass = Annotated[float, Measure(kinds.MASS, NOT_NEGATIVE)]
 Time = Annotated[float, Measure(kinds.TIME, NOT_NEGATIVE)]
 Moment = Annotated[float, Measure(kinds.FIRST_MOMENT)]
 Second = Annotated[float, Measure(kinds.INERTIA)]

@@ -20,7 +20,7 @@ _KNOWN: dict[type, dict[str, "Column"]] = {}  # by dataclass, looked up for ever
 
 @dataclass(frozen=True)
 class Column:
-    """What is known of a field beside its name and its type.
+    """The description of a field, beside its name and its type.
 
     A field with a kind is numbers, of this `shape`. `table` puts them into the tables of a chain
     (L, n, *shape), `parameter` makes them numbers that models take when they run, and `alike` asks

@@ -1,4 +1,4 @@
-"""What a leg is: its table, its tips, and where it stands."""
+"""A leg: the table of its joints, its tips, and its place on the base."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -151,7 +151,7 @@ class Leg:
 
     @property
     def structure(self) -> tuple[object, ...]:
-        """What two legs must share to be computed in one pass."""
+        """The properties that two legs must share to be computed in one pass."""
         joints = tuple((type(j), j.antecedent, j.sigma, j.mu) for j in self.joints)
         return joints, tuple(t.frame for t in self.tips)
 
@@ -172,5 +172,5 @@ class Leg:
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:
-    """How far γ, b, d are from zero and α from a value: what a leg type asks of a row."""
+    """The differences of γ, b, d from zero and of α from a value, by which leg types recognise a row."""
     return [joint.gamma, joint.b, joint.d, joint.alpha - alpha]

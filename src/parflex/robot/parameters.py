@@ -53,7 +53,7 @@ class Parameter(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many entries."""
+        """The number of its entries in θ."""
         return int(np.prod(self.shape, dtype=int))
 
 
@@ -74,7 +74,7 @@ class Parameters:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """As they were given."""
+        """The names, as they were given."""
         return tuple(item.name for item in self.items)
 
     def vector(self, values: Values, others: Array) -> Array:
@@ -112,7 +112,7 @@ class Parameters:
         ]
 
     def _unknown(self, name: object) -> str:
-        """What to say of a value for something that is not among the parameters."""
+        """The complaint about a value for something that is not among the parameters."""
         if not self.names:
             return (
                 f"parameters: {name!r} is given, but the model has none; name those that are to change when "
@@ -155,7 +155,7 @@ def parameter(robot: Robot, name: object) -> Parameter:
 
 
 def joint_column(robot: Robot, leg: int, joint: int, field: str) -> Column | None:
-    """What is known of a parameter of a joint; None where the robot has none of that name."""
+    """The description of a joint's parameter; None where the robot has none of that name."""
     joints = robot.legs[leg].joints if leg < len(robot.legs) else ()
     return of_joint(type(joints[joint])).get(field) if joint < len(joints) else None
 

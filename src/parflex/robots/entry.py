@@ -1,4 +1,4 @@
-"""What the gallery knows of a robot."""
+"""An entry of the gallery: a robot, how it may move, and its source."""
 
 from collections.abc import Callable
 from typing import NamedTuple
