@@ -143,7 +143,7 @@ def doctor() -> None:
 
 
 def run() -> None:
-    """Entry point: errors of input end in one sentence, without a traceback."""
+    """Run the command: errors of input end in one sentence, without a traceback."""
     warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")  # printed as a note
     warnings.filterwarnings("ignore", category=PartialRun)  # told where the result is saved
     warnings.showwarning = lambda message, *_, **__: complaints.print(

@@ -159,7 +159,8 @@ def save_run(result: "Result", out: Path, start: float) -> None:
 
 
 def tell_run(result: "Result", pictures: list[Path]) -> None:
-    """What a run can be judged by, and where it is; a partial one ends the command with an error code."""
+    """Print the numbers that a run is judged by, and where it is; a partial one ends the command with an
+    error code."""
     console.print(summary(result))
     for name in ("notes", "beyond_limits"):
         for note in str(result.dataset.attrs.get(name, "")).splitlines():

@@ -15,7 +15,7 @@ from parflex.views.sketch import instant_of_largest_bend, sketch_of
 
 
 class Flight(NamedTuple):
-    """A model, and what it did."""
+    """A model, and the run that it flew."""
 
     model: Model
     result: Result

@@ -1,4 +1,4 @@
-"""What was understood of a robot, as words for a table."""
+"""A robot as it was understood, in words for a table."""
 
 from typing import TYPE_CHECKING
 

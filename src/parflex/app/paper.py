@@ -25,7 +25,7 @@ REST = (0.5, 0.5)  # s, the rest periods at both ends
 
 
 class PaperRun(NamedTuple):
-    """All that Section 6 yields."""
+    """The results of Section 6."""
 
     modes: Modes
     robot: Robot
@@ -34,7 +34,7 @@ class PaperRun(NamedTuple):
 
 
 def trajectory(robot: Robot) -> Trajectory:
-    """Rest, three poses away from home, back to rest."""
+    """The trajectory of the paper: rest, three poses away from home, back to rest."""
     return Trajectory.through(robot.home, MOVES, MOVE_TIME, REST)
 
 
@@ -67,7 +67,7 @@ def run(
 
 
 def frequency_notes(modes: Modes, frequencies: str) -> list[str]:
-    """What a reader of the results must know about the plate's frequencies."""
+    """The notes about the plate's frequencies that a reader of the results must know."""
     notes = list(modes.notes)
     if frequencies == "published":
         notes.append("frequencies are those of Table 2, shapes are computed")

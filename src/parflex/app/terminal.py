@@ -1,4 +1,4 @@
-"""What the commands share: the console, options, and checks before any work."""
+"""The console, options, and checks before any work, which the commands share."""
 
 import inspect
 import tempfile
@@ -21,12 +21,12 @@ Backend = Annotated[str, typer.Option(help='"auto", "vm" or "numpy".')]
 
 
 def step(start: float, words: str) -> None:
-    """One line of what is being done, with the time since the start."""
+    """Print a line that says what is being done, with the time since the start."""
     console.print(f"[dim]{time.perf_counter() - start:5.1f} s[/] {words}")
 
 
 def check_format(image: str) -> None:
-    """Only what every matplotlib can write."""
+    """Raise InputError for a format that not every matplotlib can write."""
     if image not in ("png", "pdf", "svg"):
         raise InputError(f"--format is {image!r}; choose png, pdf or svg")
 

@@ -1,4 +1,4 @@
-"""Trajectory files: what a robot is to do, as objects of the library."""
+"""Trajectory files as objects of the library."""
 
 import os
 from typing import NamedTuple
@@ -45,7 +45,7 @@ def start_of(plan: Plan, model: Model) -> Start:
 
 
 def trajectory_of(plan: Plan, start: State) -> Trajectory:
-    """Through the poses of the plan, each given from the start, in world axes."""
+    """The trajectory through the poses of the plan, each given from the start, in world axes."""
     moves, turn = plan.table.move, Rotation.from_matrix(np.asarray(start.rotation))
     positions = [start.position, *(start.position + np.array(move.position) for move in moves)]
     turns = [turn, *(Rotation.from_matrix(rotation_of(move.rotation)) * turn for move in moves)]

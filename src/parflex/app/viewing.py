@@ -11,7 +11,7 @@ from parflex.app.terminal import console
 
 
 def what_now(saved: Path) -> None:
-    """What to do with a result that was just saved."""
+    """Print what to do with a result that was just saved."""
     path = escape(str(saved))
     console.print(f"see it move:  parflex view {path}", soft_wrap=True)
     console.print(f"write it up:  parflex report {path}", soft_wrap=True)
@@ -79,7 +79,7 @@ def report(
 
 
 def serve(result: Path, curves: bool, modes: Path | None, browser: bool, port: int) -> None:
-    """The live page, until Ctrl-C."""
+    """Serve the live page until Ctrl-C."""
     from parflex.base.progress import waiting
     from parflex.views.viewer.server import server_of
 

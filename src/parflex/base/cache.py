@@ -18,7 +18,7 @@ LIMIT = 500e6  # bytes; what was not used for longest goes first
 
 
 class Entry(NamedTuple):
-    """Object code, and what it made of a probe when it was compiled."""
+    """Object code, and the outputs that it gave for a probe when it was compiled."""
 
     code: bytes
     inputs: list[Array]
@@ -26,7 +26,7 @@ class Entry(NamedTuple):
 
 
 def folder() -> Path | None:
-    """Where entries are kept; None where there is no place to keep them."""
+    """The folder that entries are kept in; None where there is no place for one."""
     chosen = os.environ.get(VARIABLE)
     if chosen is not None:
         return Path(chosen) if chosen else None
@@ -59,7 +59,7 @@ def load(key: str) -> Entry | None:
 
 
 def save(key: str, entry: Entry) -> None:
-    """Keep an entry; where that is not possible, nothing happens."""
+    """Keep an entry where that is possible."""
     place = folder()
     if place is None:
         return
@@ -77,7 +77,7 @@ def save(key: str, entry: Entry) -> None:
 
 
 def trim(place: Path) -> None:
-    """Keep to the limit."""
+    """Remove the entries that were not used for longest, down to the limit."""
     known = [(path.stat(), path) for path in place.glob("*.bin")]
     excess = sum(found.st_size for found, _ in known) - LIMIT
     for found, path in sorted(known, key=lambda item: item[0].st_mtime):
@@ -88,7 +88,7 @@ def trim(place: Path) -> None:
 
 
 def key_of(*parts: object) -> str:
-    """A name for what the parts, and this version of the code, determine."""
+    """A name that the parts, and this version of the code, determine."""
     digest = hashlib.sha256(source_digest())
     for part in parts:
         feed(digest, part)
@@ -96,7 +96,7 @@ def key_of(*parts: object) -> str:
 
 
 def feed(digest: Any, part: object) -> None:
-    """Put a value into a digest: arrays, numbers, text, and what is made of them."""
+    """Put a value into a digest: an array, a number, a text, or a collection of them."""
     if isinstance(part, np.ndarray):
         digest.update(f"{part.shape}{part.dtype}".encode() + np.ascontiguousarray(part).tobytes())
     elif isinstance(part, (tuple, list)):
@@ -115,7 +115,7 @@ def feed(digest: Any, part: object) -> None:
 
 @cache
 def source_digest() -> bytes:
-    """Of all modules of parflex: other code may make other models."""
+    """A digest of all modules of parflex: other code may make other models."""
     digest = hashlib.sha256()
     for path in sorted(Path(__file__).parent.parent.rglob("*.py")):
         digest.update(path.read_bytes())

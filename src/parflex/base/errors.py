@@ -6,15 +6,15 @@ class InputError(ValueError):
 
 
 class OutOfReach(InputError):
-    """A pose that a leg cannot reach."""
+    """A leg cannot reach the pose."""
 
 
 class SingularPose(InputError):
-    """A pose where the robot loses or gains a freedom, so that the wanted model does not exist."""
+    """The robot loses or gains a freedom in the pose, so that the wanted model does not exist."""
 
 
 class NotConverged(InputError):
-    """An iteration that did not reach its tolerance."""
+    """An iteration did not reach its tolerance."""
 
 
 class DynamicSingularity(UserWarning):

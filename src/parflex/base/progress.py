@@ -29,7 +29,7 @@ def waiting(what: str) -> Iterator[None]:
 
 
 class Progress:
-    """`with Progress("simulate", total) as bar: bar.to(done)`; silent where nobody looks."""
+    """A bar that shows how much is done, `with Progress("simulate", total) as bar: bar.to(done)`."""
 
     def __init__(self, what: str, total: float) -> None:
         self._what, self._total = what, total

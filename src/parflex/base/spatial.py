@@ -52,7 +52,7 @@ def quaternion_from_rotation(R: Array) -> Array:
 
 
 def quaternion_of_one(R: Array) -> Array:
-    """Of one orthonormal matrix: SciPy's formula, a hundred times as quick."""
+    """The quaternion of one orthonormal matrix, by SciPy's formula, a hundred times as quick."""
     (a, b, c), (d, e, f), (g, h, i) = R.tolist()
     trace = a + e + i
     largest = max(a, e, i, trace)

@@ -1,4 +1,4 @@
-"""Versions of what parflex stands on."""
+"""Versions of the packages that parflex stands on."""
 
 from importlib.metadata import PackageNotFoundError, version
 from platform import platform, python_version
@@ -10,7 +10,7 @@ PACKAGES = (
 
 
 def versions() -> dict[str, str]:
-    """Python, the platform, and the packages parflex stands on."""
+    """Versions of Python, the platform, and the packages that parflex stands on."""
     found = {"python": python_version(), "platform": platform()}
     for name in PACKAGES:
         try:

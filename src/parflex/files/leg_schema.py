@@ -22,7 +22,7 @@ class TipTable(Table):
 
 
 class ChainTable(Table):
-    """A kind of leg: what several legs have in common."""
+    """A kind of leg: joints and tips that several legs have in common."""
 
     joints: list[JointTable] = Field(min_length=1, description="the joints in order, each with its type")
     tips: list[TipTable] = Field(min_length=1, description="where it holds the platform")

@@ -24,7 +24,7 @@ def line_of(text: str, where: Where) -> int:
 
 
 def statements(lines: Sequence[str]) -> list[int]:
-    """After how many lines each statement ends: each parses on its own, and no part of it does."""
+    """The number of lines up to the end of each statement: each parses by itself, and no part of it does."""
     ends, start = [], 0
     for end in range(1, len(lines) + 1):
         if parsed("\n".join(lines[start:end])) is not None:
@@ -68,7 +68,7 @@ def has(node: Any, step: str | int) -> bool:
 
 
 def parsed(text: str) -> dict[str, Any] | None:
-    """The document, or None for what is not one."""
+    """The document; None for a text that is no TOML."""
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError:

@@ -70,7 +70,7 @@ def stretched(lines: Array, ends: Array) -> Array:
 
 
 def drawn_scale(nodes: Array, bend: Array) -> float:
-    """What makes the largest deformation 8 % of the platform's size."""
+    """The factor that makes the largest deformation 8 % of the platform's size."""
     largest = np.max(np.linalg.norm(bend, axis=1), initial=0.0)
     return float(SHOWN * np.max(np.ptp(nodes, axis=0)) / largest) if largest > 1e-12 else 1.0
 

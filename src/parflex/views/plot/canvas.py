@@ -1,4 +1,4 @@
-"""What all pictures share: sizes, colours, axes with units, files."""
+"""Sizes, colours, axes with units and files that all pictures share."""
 
 from collections.abc import Mapping
 from io import StringIO
@@ -88,7 +88,7 @@ def frame_axes(ax: Any, points: Array) -> None:
 
 
 def require(result: Result, name: str) -> None:
-    """Say so where a picture needs what the result does not hold."""
+    """Raise InputError where a picture needs variables that the result does not hold."""
     if name not in result.dataset:
         held = ", ".join(sorted(map(str, result.dataset.data_vars)))
         raise InputError(f"the result has no {name!r}; it holds {held}")

@@ -1,4 +1,4 @@
-"""What can be checked of a result by itself: identities that its variables must fulfil."""
+"""Checks of a result by itself: identities that its variables must fulfil."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -11,7 +11,7 @@ from parflex.simulation import summary
 
 
 class Check(NamedTuple):
-    """What was measured against what, the bound it must keep, and in words how."""
+    """A measured number, the bound it must keep, and in words how it was measured."""
 
     what: str
     how: str
@@ -21,7 +21,7 @@ class Check(NamedTuple):
 
     @property
     def passed(self) -> bool:
-        """Whether the bound is kept; not a number keeps none."""
+        """True where the bound is kept; a number that is none keeps no bound."""
         return bool(self.found <= self.bound)
 
 
@@ -31,7 +31,7 @@ def checks_of(data: xr.Dataset) -> list[Check]:
 
 
 def finite(data: xr.Dataset) -> Check:
-    """No hole in the state."""
+    """The state has no hole."""
     state = [name for name in ("position", "rotation", "twist", "elastic", "elastic_rate") if name in data]
     holes = sum(int(np.sum(~np.isfinite(data[name].values))) for name in state)
     return Check("numbers that are not finite", "in position, rotation, twist, elastic coordinates", holes, 0)
@@ -45,7 +45,7 @@ def balance(data: xr.Dataset) -> Check:
 
 
 def orthonormal(data: xr.Dataset) -> Check:
-    """RᵀR = 1."""
+    """Rotations are orthonormal: RᵀR = 1."""
     R = data["rotation"].values
     found = float(np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3))))
     return Check("rotation matrices", "largest entry of RᵀR − 1", found, 1e-9)
@@ -70,7 +70,7 @@ def body_fixed(data: xr.Dataset) -> Check:
 
 
 def bent_little(data: xr.Dataset) -> Check:
-    """Small against the platform, as linear elasticity wants it."""
+    """The deformation is small against the platform, as linear elasticity wants it."""
     bend = np.linalg.norm(data["attachment_deformation"].values, axis=-1)
     found = float(np.max(bend, initial=0.0)) / size(data)
     how = "largest deformation at an attachment over the platform's size; modes are of a linear platform"

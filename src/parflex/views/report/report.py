@@ -53,7 +53,7 @@ def report_of(path: str | os.PathLike[str]) -> str:
 
 
 def contents(result: Opened, source: Path) -> dict[str, Any]:
-    """What the template tells."""
+    """The values of the template's names."""
     data = result.dataset
     notes = [*result.notes, *lines(data, "notes"), *lines(data, "beyond_limits")]
     return {
@@ -102,7 +102,7 @@ def robot_picture(data: xr.Dataset) -> str:
 
 
 def drawable(data: xr.Dataset) -> bool:
-    """Whether the platform is a flat surface whose modes can be drawn."""
+    """True where the platform is a flat surface whose modes can be drawn."""
     if not {"platform_triangle", "platform_node", "platform_shape"} <= set(data) or not data.sizes["mode"]:
         return False
     nodes = data["platform_node"].values
@@ -110,7 +110,7 @@ def drawable(data: xr.Dataset) -> bool:
 
 
 def facts(data: xr.Dataset) -> dict[str, str]:
-    """What was simulated, and how."""
+    """The facts of the run: robot, control, integration."""
     scope = {name: fact.value for name, fact in scope_of(data).items()}
     found = {"duration": f"{scope['duration']:.6g} s, {scope['instants']} instants"}
     if "leg_station" in data:

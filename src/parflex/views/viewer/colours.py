@@ -1,4 +1,4 @@
-"""What a platform can be coloured by, and the colours."""
+"""Fields that a platform can be coloured by, and the colours."""
 
 from collections.abc import Callable
 from typing import Any, NamedTuple
@@ -37,7 +37,7 @@ class Colouring(NamedTuple):
         return max(float(np.max(np.abs(self.field(piece)), initial=0.0)) for piece in pieces)
 
     def for_page(self) -> dict[str, Any]:
-        """What the page reads."""
+        """The description that the page reads."""
         return {
             "words": self.words,
             "units": self.units,
@@ -49,7 +49,7 @@ class Colouring(NamedTuple):
 
 
 def colourings_of(shapes: Array, stress: Array | None, elastic: Array) -> dict[str, Colouring]:
-    """By deflection where the platform bends, by stress where the result knows it; else plain."""
+    """The colourings of a result: deflection where the platform bends, stress where the result has it."""
     if not len(shapes):
         return {"plain": Colouring("", "", 1.0, RISING, False, lambda q: np.zeros((len(q), 1)), 0.0)}
     found = {
@@ -80,7 +80,7 @@ def colourings_of(shapes: Array, stress: Array | None, elastic: Array) -> dict[s
 
 
 def von_mises(stress: Array) -> Array:
-    """Of components xx, yy, zz, xy, yz, xz (…, 6) Pa."""
+    """The von Mises stress (…,) Pa of components xx, yy, zz, xy, yz, xz (…, 6)."""
     xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
     squares = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
     return np.asarray(np.sqrt(0.5 * squares + 3 * (xy**2 + yz**2 + xz**2)))

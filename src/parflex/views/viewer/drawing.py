@@ -113,7 +113,7 @@ def ground(library: Any, bounds: Array) -> Any:
 
 
 def camera(bounds: Array) -> list[float]:
-    """Position, target, and what is up."""
+    """The position of the camera, its target, and the direction that is up."""
     middle = bounds.mean(axis=0)
     size = float(np.linalg.norm(bounds[1] - bounds[0]))
     return [*(middle + 1.35 * size * VIEW), *middle, 0.0, 0.0, 1.0]

@@ -20,14 +20,14 @@ PER_INSTANT = tuple(each.name for each in KNOWN if each.missed and each.changes)
 
 
 class Opened(NamedTuple):
-    """What is left of a result, and a sentence for each thing that is not as it should be."""
+    """A result without what could not be read, and a sentence for each thing that is amiss."""
 
     dataset: xr.Dataset
     notes: tuple[str, ...]
 
     @staticmethod
     def nothing(why: str) -> "Opened":
-        """What is shown where there is nothing to show."""
+        """The sentence that is shown where there is nothing to show."""
         return Opened(xr.Dataset(), (why,))
 
 
@@ -50,7 +50,7 @@ def opened(path: Path) -> Opened:
 
 
 def damage(words: str) -> str:
-    """What is wrong with a file, from the words of the HDF5 reader."""
+    """The fault of a file, from the words of the HDF5 reader."""
     cut = TRUNCATED.search(words)
     if cut:
         return (
@@ -85,7 +85,8 @@ def named(variables: list[str]) -> str:
 
 
 def incomplete(dataset: xr.Dataset, strange: list[str]) -> list[str]:
-    """A sentence about what the view needs and the file lacks, and one about numbers that are none."""
+    """A sentence about variables that the view needs and the file lacks, and one about entries that are
+    not finite."""
     if not dataset.sizes.get("time", 1):
         return ["No instants: the run ended before its first."]
     lost = [name for name in MISSED if name not in dataset]

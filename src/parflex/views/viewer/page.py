@@ -121,12 +121,12 @@ def assembled(snapshot: str, body: dict[str, Any], data: str) -> str:
 
 
 def ours(name: str) -> str:
-    """A file of the page."""
+    """The text of a file of our page."""
     return resources.files(__package__).joinpath("assets", name).read_text(encoding="utf-8")
 
 
 def packed(arrays: dict[str, Array]) -> tuple[dict[str, dict[str, int]], str]:
-    """Where each array begins, and how long it is, in bytes that are single floats, deflated, in base 64."""
+    """The place and length of each array in bytes that are single floats, deflated, in base 64."""
     layout, pieces, offset = {}, [], 0
     for name, values in arrays.items():
         piece = np.ascontiguousarray(values, dtype="<f4")
@@ -137,7 +137,7 @@ def packed(arrays: dict[str, Array]) -> tuple[dict[str, dict[str, int]], str]:
 
 
 def facts_of(result: Opened, name: str) -> list[str]:
-    """What was simulated, in a few words each."""
+    """The facts of the run, in a few words each."""
     data, facts = result.dataset, [name] if name else []
     if not data:
         return facts
@@ -152,7 +152,7 @@ def facts_of(result: Opened, name: str) -> list[str]:
 
 
 def notes_of(result: Opened, scene: Scene | None) -> list[str]:
-    """What the reader must know about the view."""
+    """The notes that the reader of the view must know."""
     notes, count = list(result.notes), result.dataset.sizes.get("time", 0)
     if scene is not None and count > MOST_INSTANTS:
         notes.append(f"{scene.meta['instants']} of the {count} instants are in this page.")

@@ -1,4 +1,4 @@
-"""The parts of the legs, from the points and the axes of their joints: what stands where, and how big."""
+"""The parts of the legs, from the points and axes of their joints: rods, joints, motors, and their sizes."""
 
 from typing import Any, NamedTuple
 
@@ -12,7 +12,7 @@ STEEL, DARK, MOTOR, FORCE = 0x9AA5B1, 0x525E6B, 0xD55E00, 0x009E73
 
 
 class Part(NamedTuple):
-    """Solids of one colour, and for the page what moves them: a kind of placing with its numbers.
+    """Solids of one colour, and for the page the kind of placing that moves them, with its numbers.
 
     `still` (4, 4) places a part that does not move. Indices count points of all paths, path by path.
     """
@@ -44,7 +44,7 @@ def legs_of(data: xr.Dataset) -> Legs | None:
 
 
 def parts_of(legs: Legs) -> list[Part]:
-    """Rods, joints and motors; what two paths of a leg share is there once."""
+    """Rods, joints and motors of the legs; a part that two paths of a leg share is there once."""
     parts: list[Part] = []
     for p, row in enumerate(legs.words):
         for s, word in enumerate(row):
@@ -54,7 +54,7 @@ def parts_of(legs: Legs) -> list[Part]:
 
 
 def station(legs: Legs, p: int, s: int) -> list[Part]:
-    """What stands at a station, and what leads to it."""
+    """The parts that stand at a station, and those that lead to it."""
     word = str(legs.words[p, s])
     if word == "base":
         return [] if slides(legs, p, s + 1) else [pedestal(legs, p)]
@@ -69,7 +69,7 @@ def station(legs: Legs, p: int, s: int) -> list[Part]:
 
 
 def shared(legs: Legs, p: int, s: int) -> bool:
-    """Whether an earlier path of the same leg has been here too."""
+    """True where an earlier path of the same leg has been here too."""
     earlier = [k for k in range(p) if legs.owners[k] == legs.owners[p]]
     return any(
         np.array_equal(legs.words[k, : s + 1], legs.words[p, : s + 1])
@@ -79,7 +79,7 @@ def shared(legs: Legs, p: int, s: int) -> bool:
 
 
 def slides(legs: Legs, p: int, s: int) -> bool:
-    """Whether a sliding joint is there."""
+    """True where a sliding joint is at the station."""
     return str(legs.words[p, s]).startswith("P")
 
 
@@ -89,12 +89,12 @@ def index(legs: Legs, p: int, s: int) -> int:
 
 
 def distance(legs: Legs, p: int, s: int) -> Array:
-    """From the station before, (T,) m."""
+    """The distance from the station before, (T,) m."""
     return np.asarray(np.linalg.norm(legs.points[:, p, s] - legs.points[:, p, s - 1], axis=-1))
 
 
 def rod(legs: Legs, p: int, s: int) -> list[Part]:
-    """From the station before to this one, where they are apart."""
+    """The rod from the station before to this one, where they are apart."""
     if np.max(distance(legs, p, s), initial=0.0) < 0.5 * legs.width:
         return []
     moves = {"kind": "link", "from": index(legs, p, s - 1), "to": index(legs, p, s), "width": legs.width}
@@ -122,7 +122,7 @@ def solid(legs: Legs, p: int, s: int, shape: Solid, colour: int, times: float) -
 
 
 def pedestal(legs: Legs, p: int) -> Part:
-    """Where a leg stands: a flat drum that does not move."""
+    """The foot of a leg: a flat drum that does not move."""
     place = np.eye(4)
     place[:3, :3] = np.diag([3.2, 3.2, 0.7]) * legs.width
     place[:3, 3] = legs.points[0, p, 0] - [0, 0, 2.2 * legs.width]
@@ -130,7 +130,7 @@ def pedestal(legs: Legs, p: int) -> Part:
 
 
 def rail(legs: Legs, p: int, s: int) -> Part:
-    """What a carriage runs on: along its axis, a little longer than its way."""
+    """The rail of a carriage, along its axis, a little longer than its way."""
     axis, points = legs.axes[0, p, s], legs.points[:, p, s]
     way = (points - points[0]) @ axis
     low, high = float(np.min(way)) - 8 * legs.width, float(np.max(way)) + 8 * legs.width
@@ -150,7 +150,7 @@ def arrow(attachment: int, width: float) -> Part:
 
 
 def shares(points: Array) -> Array:
-    """How far along its path each station is, (T, P, S) from 0 to 1."""
+    """The share of its path at which each station is, (T, P, S) from 0 to 1."""
     steps = np.linalg.norm(np.diff(points, axis=-2, prepend=points[..., :1, :]), axis=-1)
     way = np.cumsum(steps, axis=-1)
     return np.asarray(way / np.maximum(way[..., -1:], 1e-300))

@@ -1,4 +1,4 @@
-"""What the page needs of a result: arrays over time, the platform's modes, the parts of the legs."""
+"""The scene of a result for the page: arrays over time, the platform's modes, the parts of the legs."""
 
 from typing import Any, NamedTuple
 
@@ -117,7 +117,7 @@ def arrows(data: xr.Dataset, size: float) -> list[Part]:
 
 
 def metres_per_newton(data: xr.Dataset, size: float) -> float:
-    """What makes the largest contact force as long as it may be."""
+    """The scale at which the largest contact force is as long as it may be."""
     if "contact_forces" not in data:
         return 0.0
     largest = float(np.max(np.linalg.norm(data["contact_forces"].values, axis=-1), initial=0.0))
@@ -125,7 +125,7 @@ def metres_per_newton(data: xr.Dataset, size: float) -> float:
 
 
 def scale_of(body: Platform, elastic: Array) -> float:
-    """The largest deformation of the run becomes 8 % of the platform's size; to two digits."""
+    """The factor, of two digits, that makes the run's largest deformation 8 % of the platform's size."""
     largest = largest_bend(body.shapes, elastic)
     return float(f"{SHOWN * body.size / largest:.2g}") if largest > 1e-12 else 1.0
 
@@ -154,14 +154,14 @@ def arrays_of(data: xr.Dataset, body: Platform, legs: Legs | None, elastic: Arra
 
 
 def timing(t: Array) -> dict[str, Any]:
-    """When it begins and ends, and with how many digits to tell the time."""
+    """The begin and end of the run, and the digits that its times are told with."""
     step = float(np.min(np.diff(t), initial=1.0))
     digits = int(np.clip(np.ceil(-np.log10(max(step, 1e-9))), 1, 6))
     return {"start": float(t[0]), "end": float(t[-1]), "instants": len(t), "digits": digits}
 
 
 def sizes(data: xr.Dataset, legs: Legs | None) -> dict[str, Any]:
-    """How the arrays of the legs are to be read."""
+    """The numbers of paths and stations by which the arrays of the legs are read."""
     if legs is None:
         return {"paths": 0, "stations": 0, "ends": []}
     _, paths, stations, _ = legs.points.shape

@@ -14,7 +14,7 @@ STAMP = "/stamp"
 
 
 class LivePage:
-    """The page of a file as it is now."""
+    """The page of a file as the file is now."""
 
     def __init__(self, path: Path, curves: bool, modes: Path | None) -> None:
         self._path, self._curves, self._modes = path, curves, modes
@@ -23,14 +23,14 @@ class LivePage:
         self.text()
 
     def stamp(self) -> str:
-        """When the file was written last; empty where there is none."""
+        """The time at which the file was last written; empty where there is none."""
         try:
             return str(self._path.stat().st_mtime_ns)
         except OSError:
             return ""
 
     def text(self) -> str:
-        """The page, made where it is not of the file as it is now.
+        """The page, made anew where the file has changed.
 
         Raises InputError where the file cannot be read and could not before.
         """
@@ -74,7 +74,7 @@ def server_of(
             self.wfile.write(body)
 
         def log_message(self, format: str, *args: object) -> None:
-            """Quiet: the terminal is the user's."""
+            """Log nothing: the terminal is the user's."""
 
     try:
         return ThreadingHTTPServer(("127.0.0.1", port), Handler)

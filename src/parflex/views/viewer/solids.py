@@ -19,29 +19,30 @@ class Solid(NamedTuple):
 
 
 def cylinder() -> Solid:
-    """Radius 1, from z = 0 to 1, closed."""
+    """A closed cylinder of radius 1 from z = 0 to 1."""
     return lathe([(0, 0), (1, 0), (1, 1), (0, 1)])
 
 
 def cone() -> Solid:
-    """Radius 1 at z = 0, its point at z = 1."""
+    """A cone of radius 1 at z = 0, with its point at z = 1."""
     return lathe([(0, 0), (1, 0), (0, 1)])
 
 
 def drum() -> Solid:
-    """Radius 1, from z = −1 to 1, closed."""
+    """A closed cylinder of radius 1 from z = −1 to 1."""
     return lathe([(0, -1), (1, -1), (1, 1), (0, 1)])
 
 
 def ball() -> Solid:
-    """Radius 1 about the origin; a point on it is its own normal."""
+    """A ball of radius 1 about the origin; a point on it is its own normal."""
     polar = np.linspace(-np.pi / 2, np.pi / 2, 12)
     made = lathe([(float(np.cos(a)), float(np.sin(a))) for a in polar])
     return made._replace(normals=made.vertices)
 
 
 def lathe(profile: list[tuple[float, float]]) -> Solid:
-    """What (radius, height) points, from below to above, draw as they turn about z; an edge at each."""
+    """The surface that (radius, height) points, from below to above, draw as they turn about z, with an
+    edge at each."""
     bands = [band(*ends) for ends in pairwise(profile)]
     step = 2 * (SIDES + 1)
     i = np.arange(SIDES)
