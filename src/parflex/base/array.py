@@ -1,8 +1,8 @@
 """The array words that floats and symbols share.
 
 The mechanics is written once, with arrays that are built and never filled, batch axes leading.
-The same code runs on float arrays and on object arrays of symbols; only the solvers below know
-the difference: LAPACK for floats, unrolled loops for symbols.
+The same code runs on float arrays and on object arrays of symbols. Three places know the difference:
+the solvers and loops of `unroll` (LAPACK for floats), `spatial.exact_cos_sin`, and the seeds of `dual`.
 """
 
 import math

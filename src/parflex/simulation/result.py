@@ -24,6 +24,11 @@ class Result:
         self._make = make
         self.stopped = stopped  # why the run ended early; empty where it did not
 
+    def __repr__(self) -> str:
+        time = self.dataset["time"].values
+        span = f"{len(time)} instants up to {time[-1]:.4g} s" if len(time) else "nothing"
+        return f"Result: {span}, {len(self.dataset)} variables" + f"\n  {self.stopped}" * self.partial
+
     @cached_property
     def dataset(self) -> xr.Dataset:
         """The run with labels and units; put together at the first look."""
