@@ -14,7 +14,7 @@ FORMAT = "parflex-robot-1"
 
 
 class HomeTable(Table):
-    """Where the platform stands when nothing else is said."""
+    """The place of the platform when nothing else is said."""
 
     position: Point = Field(description="the platform frame's origin in the world, in m")
     rotation: Rotation = Field(ZEROS, description="rotation vector or matrix")

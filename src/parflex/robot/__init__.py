@@ -1,1 +1,1 @@
-"""What a robot is: plain data."""
+"""Data that say what a robot is."""

@@ -18,7 +18,7 @@ def misfits(data: xr.Dataset, known: Sequence[Variable] = KNOWN) -> list[str]:
 
 
 def fits(data: xr.Dataset, variable: Variable) -> bool:
-    """Whether a variable has its dimensions, three entries where it must, and numbers in its range."""
+    """True where a variable has its dimensions, three entries where it must, and numbers in its range."""
     values, dims = data[variable.name], variable.dims
     if values.dims != dims or any(data.sizes[dim] != 3 for dim in dims if dim in THREE):
         return False
