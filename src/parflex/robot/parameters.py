@@ -4,9 +4,9 @@ A parameter is named by Python's own path into a robot. All parameters of a mode
 θ (P,), and the mechanics with θ is that of the robot with the numbers in its tables.
 """
 
-import re
 from collections.abc import Mapping, Sequence
 from difflib import get_close_matches
+from itertools import chain
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -20,8 +20,6 @@ from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robot.robot import Robot
 
 OF_MODES = ("frequencies", "damping_ratio")
-LINK = re.compile(r"legs\[(\d+|\*)\]\.joints\[(\d+)\]\.(\w+)", re.ASCII)
-PAYLOAD = re.compile(r"platform\.payload\[(\d+)\]", re.ASCII)
 
 
 def of_joint(joint: type[Joint]) -> dict[str, Column]:
@@ -67,7 +65,8 @@ class Parameters:
         if isinstance(names, str) or not isinstance(names, Sequence):
             raise InputError(f"parameters is {type(names).__name__}; give a list of names: {KINDS}")
         self.first = robot
-        self.items = tuple(parameter(robot, name) for name in names)
+        known = every_parameter(robot) if names else {}
+        self.items = tuple(named_parameter(robot, known, name) for name in names)
         check_apart(self.items)
         self.size = sum(item.size for item in self.items)
         self.own = join([np.zeros(0), *(own_value(robot, item).reshape(-1) for item in self.items)])
@@ -123,58 +122,49 @@ class Parameters:
         )
 
 
-def parameter(robot: Robot, name: object) -> Parameter:
+def every_parameter(robot: Robot) -> dict[str, Parameter]:
+    """The parameters of a robot by name; one that all legs have is shared by them under legs[*]."""
+    body, count = robot.platform, len(robot.legs)
+    of_body = [Parameter("gravity", "gravity", (3,))]
+    if body.modes:
+        of_body += [Parameter(f"platform.{x}", x, (body.modes,), rule=NOT_NEGATIVE) for x in OF_MODES]
+    of_body += [
+        Parameter(f"platform.payload[{node}]", "payload", (), (), node, NOT_NEGATIVE)
+        for node in range(len(body.nodes))
+    ]
+    of_legs: dict[tuple[int, str], list[Parameter]] = {}
+    for i, leg in enumerate(robot.legs):
+        for j, joint in enumerate(leg.joints):
+            for field, column in of_joint(type(joint)).items():
+                one = Parameter(f"legs[{i}].joints[{j}].{field}", field, column.shape, (i,), j, column.rule)
+                of_legs.setdefault((j, field), []).append(one)
+    shared = [
+        alike[0]._replace(name=f"legs[*].joints[{j}].{field}", legs=tuple(range(count)))
+        for (j, field), alike in of_legs.items()
+        if len(alike) == count
+    ]
+    return {item.name: item for item in chain(of_body, shared, *of_legs.values())}
+
+
+def named_parameter(robot: Robot, known: Mapping[str, Parameter], name: object) -> Parameter:
     """The parameter of a name.
 
     Raises InputError where the robot has none of that name.
     """
     text = name if isinstance(name, str) else ""
-    if text == "gravity":
-        return Parameter(text, text, (3,))
-    place, _, field = text.rpartition(".")
-    if place == "platform" and field in OF_MODES and robot.platform.modes:
-        return Parameter(text, field, (robot.platform.modes,), rule=NOT_NEGATIVE)
-    if (found := PAYLOAD.fullmatch(text)) and int(found[1]) < len(robot.platform.nodes):
-        return Parameter(text, "payload", (), number=int(found[1]), rule=NOT_NEGATIVE)
-    if found := LINK.fullmatch(text):
-        legs = tuple(range(len(robot.legs))) if found[1] == "*" else (int(found[1]),)
-        columns = [joint_column(robot, i, int(found[2]), field) for i in legs]
-        if columns and columns[0] is not None and None not in columns:
-            column = columns[0]
-            return Parameter(text, field, column.shape, legs, int(found[2]), column.rule)
-    if (field or text).partition("[")[0] in GEOMETRY:
+    if text in known:
+        return known[text]
+    if text.rpartition(".")[2].partition("[")[0] in GEOMETRY:
         raise InputError(
             f"parameters: {name!r} is geometry, which is folded into the compiled code; build another robot "
             f"with it. Parameters are {KINDS}"
         )
+    likely = [item.name for item in known.values() if item.field != "payload" or item.number < 100]
     raise InputError(
-        f"parameters: {name!r} is no parameter of this robot{nearest(text, every_name(robot))}; there are "
+        f"parameters: {name!r} is no parameter of this robot{nearest(text, likely)}; there are "
         f"{KINDS}. It has {len(robot.legs)} legs, {len(robot.platform.nodes)} nodes and "
         f"{robot.platform.modes} modes"
     )
-
-
-def joint_column(robot: Robot, leg: int, joint: int, field: str) -> Column | None:
-    """The description of a joint's parameter; None where the robot has none of that name."""
-    joints = robot.legs[leg].joints if leg < len(robot.legs) else ()
-    return of_joint(type(joints[joint])).get(field) if joint < len(joints) else None
-
-
-def every_name(robot: Robot) -> list[str]:
-    """The names of all parameters of a robot."""
-    places = {
-        f"legs[{which}].joints[{j}].{field}": None
-        for i, leg in enumerate(robot.legs)
-        for which in ("*", i)
-        for j, joint in enumerate(leg.joints)
-        for field in of_joint(type(joint))
-    }
-    return [
-        "gravity",
-        *(f"platform.{field}" for field in OF_MODES if robot.platform.modes),
-        *(f"platform.payload[{node}]" for node in range(min(len(robot.platform.nodes), 100))),
-        *sorted(places),
-    ]
 
 
 def nearest(name: object, known: Sequence[str]) -> str:
