@@ -90,7 +90,7 @@ def plate_cloud(corners, thickness, young, poisson, density, n_modes, damping_ra
     refine = next(r for r in levels if plate.unknowns(len(corners), r) > 12 * n_modes)
     modes = plate.plate_modes(corners, thickness, young, poisson, density, n_modes, refine)
     basis = plate.argyris(corners, refine)
-    inside, (xy, area) = plate.sampled(basis, modes.reduction.vectors), plate.quadrature(basis)
+    inside, (xy, area) = plate.sampled(basis, modes.reduction.vectors), plate.plate_quadrature(basis)
     xy = xy + plate.centroid(corners)[:, None]
     (slope_x, slope_y), z = np.moveaxis(inside.slope, 1, 0), thickness / np.sqrt(12) * np.ones_like(area)
     positions = np.concatenate([np.column_stack([*xy, level]) for level in (-z, z)])

@@ -8,11 +8,11 @@ from typer.core import TyperCommand
 
 from parflex.base.errors import InputError
 
-PROGRAMS, TAKES, SYSTEMS = "PROGRAMS", "TAKES", "SYSTEMS"  # in help strings: what the importers say
+PROGRAMS, TAKES, UNIT_SYSTEMS = "PROGRAMS", "TAKES", "UNIT_SYSTEMS"  # in help strings: what the importers say
 
 Program = Annotated[str | None, typer.Option("--from", help=f"Import the modes of {PROGRAMS}.")]
 Files = Annotated[list[str] | None, typer.Option(help=f'A file to import, "name=path": {TAKES}.')]
-Units = Annotated[str, typer.Option(help=f"The units of the imported files: {SYSTEMS}.")]
+Units = Annotated[str, typer.Option(help=f"The units of the imported files: {UNIT_SYSTEMS}.")]
 Nodes = Annotated[
     list[str] | None,
     typer.Option(help='Joint of an imported model: a node\'s number, or "12,13,14" for a patch.'),
@@ -29,7 +29,7 @@ class ImportingCommand(TyperCommand):
         words = {
             PROGRAMS: ", ".join(importer.name for importer in IMPORTERS),
             TAKES: "; ".join(importer.takes for importer in IMPORTERS),
-            SYSTEMS: ", ".join(systems),
+            UNIT_SYSTEMS: ", ".join(systems),
         }
         options: list[Any] = list(self.params)
         for option in options:

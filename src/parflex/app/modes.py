@@ -16,10 +16,10 @@ from parflex.base.errors import InputError
 
 if TYPE_CHECKING:
     from parflex.fe import ComputedModes, Material
-    from parflex.fe.sources import Source
+    from parflex.fe.sources import PlatformSource
 
 Texts = list[str] | None
-SHAPES = {"--corner": "x,y", "--hole": "x,y,radius", "--attach": "x,y,z", "--tool": "x,y,z"}
+FORMS = {"--corner": "x,y", "--hole": "x,y,radius", "--attach": "x,y,z", "--tool": "x,y,z"}
 
 
 @dataclass(frozen=True)
@@ -79,10 +79,10 @@ class Options:
     @property
     def joints(self) -> list[tuple[float, ...]]:
         """The places (k, 3) m where legs hold."""
-        return [numbers("--attach", text) for text in self.attach or ()]
+        return [parsed("--attach", text) for text in self.attach or ()]
 
 
-def run(options: Options) -> None:
+def run_modes(options: Options) -> None:
     """Compute a platform's modes: a check report, a table, a picture, and a modal file for robots.
 
     Without a source and corners it is the paper's hexagon with the paper's ten free-free modes. Anything
@@ -99,20 +99,20 @@ def run(options: Options) -> None:
     --node 21`
     """
     start = time.perf_counter()
-    check(options)
+    check_options(options)
     if options.imports:
         step(start, "reading the files")
-        found, material = imported(options), None
+        found, material = imported_modes(options), None
     else:
         found, material = computed(options, start)
     report(found, material, published(options))
-    save(found, options, start)
+    save_modes(found, options, start)
 
 
-modes = command_of("modes", Options, run)
+modes = command_of("modes", Options, run_modes)
 
 
-def check(options: Options) -> None:
+def check_options(options: Options) -> None:
     """Raise InputError for options that contradict one another, and where nothing can be written."""
     check_format(options.image)
     plate = options.corner or options.hole
@@ -125,7 +125,7 @@ def check(options: Options) -> None:
     check_writable(options.out)
 
 
-def imported(options: Options) -> "ComputedModes":
+def imported_modes(options: Options) -> "ComputedModes":
     """The modes of another program's files, held at nodes by number or at points."""
     from parflex.fe import import_modes
 
@@ -140,9 +140,9 @@ def computed(options: Options, start: float) -> "tuple[ComputedModes, Material]"
     from parflex.fe import Material, with_mesh_error
 
     material = Material(options.young, options.poisson, options.density)
-    outline = [numbers("--corner", text) for text in options.corner or ()] or paper_corners()
-    holes = [numbers("--hole", text) for text in options.hole or ()]
-    tool = None if options.tool is None else numbers("--tool", options.tool)
+    outline = [parsed("--corner", text) for text in options.corner or ()] or paper_corners()
+    holes = [parsed("--hole", text) for text in options.hole or ()]
+    tool = None if options.tool is None else parsed("--tool", options.tool)
     step(start, "meshing")
     body = source(options, outline, holes, material)
     step(start, "computing the modes")
@@ -156,7 +156,7 @@ def computed(options: Options, start: float) -> "tuple[ComputedModes, Material]"
     return found, material
 
 
-def source(options: Options, outline: Any, holes: Any, material: "Material") -> "Source":
+def source(options: Options, outline: Any, holes: Any, material: "Material") -> "PlatformSource":
     """The body that the options describe."""
     from parflex.fe import outline_mesh
     from parflex.fe.sources import file_source, plate_source, solid_source
@@ -168,7 +168,7 @@ def source(options: Options, outline: Any, holes: Any, material: "Material") -> 
     return plate_source(outline, options.thickness, material, options.refine)
 
 
-def save(found: "ComputedModes", options: Options, start: float) -> None:
+def save_modes(found: "ComputedModes", options: Options, start: float) -> None:
     """Write the modal file and the picture."""
     from parflex.fe import write_modes
     from parflex.views import plot
@@ -185,16 +185,16 @@ def save(found: "ComputedModes", options: Options, start: float) -> None:
         console.print(f"shapes drawn in [bold]{escape(str(picture))}[/]")
 
 
-def numbers(option: str, text: str) -> tuple[float, ...]:
+def parsed(option: str, text: str) -> tuple[float, ...]:
     """Coordinates from "x,y". Raises InputError for another text."""
-    count = SHAPES[option].count(",") + 1
+    count = FORMS[option].count(",") + 1
     try:
         found = tuple(float(part) for part in text.split(","))
     except ValueError:
         found = ()
     if len(found) != count:
         raise InputError(
-            f'{option} is {text!r}; write it as "{SHAPES[option]}" in metres, like '
+            f'{option} is {text!r}; write it as "{FORMS[option]}" in metres, like '
             f"{'0.5,0.2,0.1'[: 4 * count - 1]}"
         )
     return found

@@ -9,12 +9,12 @@ from parflex.fe.body.basis import (
     FreeFreeWithAttachment,
     basis_error,
     converged,
+    with_mesh_error,
 )
 from parflex.fe.body.basis_report import check_rows
 from parflex.fe.body.check_report import CheckReport, MatrixReport, Report
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.material import Material, Solid
-from parflex.fe.body.mesh_error import with_mesh_error
 from parflex.fe.body.nodal import body_of_matrices
 from parflex.fe.imports.calculix.calculix import read_calculix
 from parflex.fe.imports.calculix.storage import calculix_body

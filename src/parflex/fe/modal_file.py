@@ -71,8 +71,7 @@ def write_modes(
     Raises InputError as that does, and where the file cannot be written.
     """
     of_type("modes", modes, Modes)
-    body = FlexibleBody.from_modes(modes, attachments, origin, damping_ratio)
-    save_body(body, Path(path), modes)
+    save_body(FlexibleBody.from_modes(modes, attachments, origin, damping_ratio), Path(path), modes)
     return Path(path)
 
 
@@ -100,7 +99,7 @@ def read_modes(path: str | os.PathLike[str]) -> ComputedModes:
         source=str(data.attrs["source"]),
         notes=tuple(str(data.attrs["notes"]).splitlines()),
         tool=None if found["tool"] is None else int(found["tool"]),
-        solid=solid_of(found),
+        solid=stored_solid(found),
     )
 
 
@@ -110,7 +109,7 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
     Raises InputError where it cannot be written.
     """
     values = body.moments._asdict() | {name: getattr(body, name) for name in FIELDS}
-    values |= dict.fromkeys(MODAL) if modes is None else modal_values(modes)
+    values |= dict.fromkeys(MODAL) if modes is None else values_of_modes(modes)
     variables = {
         name: (dims, array_of(name, values[name]), {"units": units, "long_name": words})
         for name, (dims, units, words) in (MOMENTS | FIELDS | MODAL).items()
@@ -129,7 +128,7 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
         data.to_netcdf(part, engine="h5netcdf")
 
 
-def modal_values(modes: Modes) -> dict[str, Any]:
+def values_of_modes(modes: Modes) -> dict[str, Any]:
     """The values that modes hold beside a body, None for those that they do not have."""
     found = dict.fromkeys(MODAL) | {
         "frequencies": modes.frequencies,
@@ -200,7 +199,7 @@ def body_of(found: dict[str, Any]) -> FlexibleBody:
     return FlexibleBody(moments, attachments=attachments, **rest)
 
 
-def solid_of(found: dict[str, Any]) -> Solid | None:
+def stored_solid(found: dict[str, Any]) -> Solid | None:
     """The elements and materials, where there are any."""
     if found["elements"] is None:
         return None

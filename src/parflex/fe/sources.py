@@ -65,7 +65,7 @@ def is_step(file: Path) -> bool:
     return file.suffix.lower() in (".step", ".stp")
 
 
-class Source(NamedTuple):
+class PlatformSource(NamedTuple):
     """A body whose joints are judged on `body`, its modes in a basis, and the same body of larger elements
     where there is one."""
 
@@ -92,25 +92,27 @@ class Source(NamedTuple):
         return found.basis
 
 
-def plate_source(outline: ArrayLike, thickness: float, material: Material, refine: int | None) -> Source:
+def plate_source(
+    outline: ArrayLike, thickness: float, material: Material, refine: int | None
+) -> PlatformSource:
     """A thin plate, whose modes tell the change from a coarser mesh themselves."""
     section = (thickness, material.young, material.poisson, material.density)
     body = plate_body(outline, *section, **({} if refine is None else {"refine": refine}))
-    return Source(body, lambda basis: plate_modes(outline, *section, basis, refine))
+    return PlatformSource(body, lambda basis: plate_modes(outline, *section, basis, refine))
 
 
-def solid_source(mesh_of: Callable[..., SolidMesh], size: float | None, material: Material) -> Source:
+def solid_source(mesh_of: Callable[..., SolidMesh], size: float | None, material: Material) -> PlatformSource:
     """A solid that Netgen meshes with elements of `size` m."""
     mesh = mesh_of(size=size)
     body = solid_body(mesh, material)
-    return Source(
+    return PlatformSource(
         body, lambda basis: basis.modes(body), lambda: solid_body(mesh_of(size=COARSER * mesh.size), material)
     )
 
 
-def file_source(path: Path, unit: str | None, size: float | None, material: Material) -> Source:
+def file_source(path: Path, unit: str | None, size: float | None, material: Material) -> PlatformSource:
     """The solid of a STEP file, or of a mesh, which has no coarser one."""
     if is_step(path):
         return solid_source(partial(step_mesh, path, unit=unit), size, material)
     body = solid_body(mesh_from(path, unit, size), material)
-    return Source(body, lambda basis: basis.modes(body))
+    return PlatformSource(body, lambda basis: basis.modes(body))

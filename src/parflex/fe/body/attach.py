@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,19 +11,17 @@ from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
 from parflex.fe.body.basis import without_reduction
 from parflex.fe.body.canonical import cut_pair
-from parflex.fe.body.joints import FEWEST, mean_motion, nodes_within, unshared
+from parflex.fe.body.joints import FEWEST, AnyModes, nodes_within, unshared, with_places
 from parflex.robot.attachments import attachment_nodes
 from parflex.robot.modes import Modes
 
-Held = TypeVar("Held", bound=Modes)
-
 
 def attached(
-    modes: Held,
+    modes: AnyModes,
     ids: Sequence[int | Sequence[int]] | None = None,
     points: ArrayLike | None = None,
     radius: float | None = None,
-) -> Held:
+) -> AnyModes:
     """The modes, held at places of a body: `FlexibleBody.from_modes(attached(…))` needs no more.
 
     ids are the other program's node numbers, or a list of them for a patch; or points (k, 3) m are
@@ -41,13 +38,13 @@ def attached(
         centres = [np.mean(modes.nodes[group], axis=0) for group in groups]
     elif points is not None and ids is None:
         wanted = exactly("points", points, (None, 3))
-        groups, centres = near(modes, wanted, radius), list(wanted)
+        groups, centres = rows_near(modes, wanted, radius), list(wanted)
     else:
         raise InputError(
             "ids and points are both given, or neither; give node numbers, or points (k, 3) in m"
         )
     unshared([f"place {number}" for number in range(1, len(groups) + 1)], groups)
-    return with_places(modes, groups, centres)
+    return with_places(without_reduction(modes), groups, centres)
 
 
 def by_id(modes: Modes, number: int, given: int | Sequence[int]) -> Array:
@@ -64,7 +61,7 @@ def by_id(modes: Modes, number: int, given: int | Sequence[int]) -> Array:
     return np.array(sorted({row[node] for node in wanted}))
 
 
-def near(modes: Modes, wanted: Array, radius: float | None) -> list[Array]:
+def rows_near(modes: Modes, wanted: Array, radius: float | None) -> list[Array]:
     """Rows of nodes at points, or around them."""
     if radius is None:
         return [np.array([node]) for node in attachment_nodes(modes.nodes, wanted)]
@@ -72,36 +69,7 @@ def near(modes: Modes, wanted: Array, radius: float | None) -> list[Array]:
     return nodes_within(modes.nodes, modes.triangles, names, wanted, positive("radius", radius))
 
 
-def with_places(modes: Held, groups: list[Array], centres: list[Array]) -> Held:
-    """The modes with a node more for each patch, held at its places."""
-    nodes, shapes = [modes.nodes], [modes.shapes]
-    turns = [np.zeros_like(modes.shapes) if modes.rotations is None else modes.rotations]
-    corners, free = [], len(modes.nodes)
-    for group, centre in zip(groups, centres, strict=True):
-        if len(group) == 1:
-            corners.append(int(group[0]))
-            continue
-        motion = modes.shapes[:, group].reshape(len(modes.shapes), -1).T
-        carried, turn = (matrix @ motion for matrix in mean_motion(modes.nodes[group], centre))
-        nodes.append(centre[None])
-        shapes.append(carried.T[:, None])
-        turns.append(turn.T[:, None])
-        corners.append(free)
-        free += 1
-    rotations = (
-        None if modes.rotations is None and free == len(modes.nodes) else np.concatenate(turns, axis=1)
-    )
-    return replace(
-        without_reduction(modes),
-        nodes=np.concatenate(nodes),
-        shapes=np.concatenate(shapes, axis=1),
-        rotations=rotations,
-        corners=tuple(corners),
-        ids=(*modes.ids, *[0] * (free - len(modes.nodes))) if modes.ids else (),
-    )
-
-
-def first(modes: Held, n: int | None) -> Held:
+def first(modes: AnyModes, n: int | None) -> AnyModes:
     """The n lowest modes, all for None; a note where they cut a degenerate pair in two.
 
     Raises InputError where there are fewer.

@@ -22,34 +22,28 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import integer, of_type, scalar
 from parflex.base.errors import InputError
-from parflex.fe.body.accuracy import BasisError, error_of, gram_of
+from parflex.fe.body.accuracy import BasisError, error_of, gram_of, truth_of
 from parflex.fe.body.canonical import cut_pair
 from parflex.fe.body.check_report import Report
-from parflex.fe.body.columns import independent, left_out, orthonormal
+from parflex.fe.body.columns import independent_columns, left_out, orthonormal
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import by_node
-from parflex.fe.body.joints import Place, places
+from parflex.fe.body.joints import Holding, places, with_places
 from parflex.fe.body.material import Solid
-from parflex.fe.body.pinned import truth_of
 from parflex.fe.body.response import static_response
 from parflex.fe.body.search import smallest
 from parflex.robot.modes import Modes
 
 NEGLIGIBLE = 1e-3  # compliance of a direction, of the largest
 
-
-class Columns(NamedTuple):
-    """Vectors of unknowns (n, N) that span a basis, and what must be said of them."""
-
-    vectors: Array
-    notes: tuple[str, ...] = ()
+Columns = tuple[Array, tuple[str, ...]]  # vectors (n, N) that span a basis, and notes about them
 
 
 class Reduction(NamedTuple):
     """A body, its places, the vectors (n, N) that its motion was reduced to, and the basis of them."""
 
     body: FreeBody
-    held: tuple[Place, ...]
+    held: tuple[Holding, ...]
     vectors: Array
     basis: "Basis"
 
@@ -98,7 +92,7 @@ class Basis(ABC):
             raise InputError(f"negligible is {self.negligible}; give a part of the largest compliance, 0 … 1")
 
     @abstractmethod
-    def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
+    def columns(self, body: FreeBody, held: tuple[Holding, ...]) -> Columns:
         """The elastic vectors, in any order and scale."""
 
     def modes(self, body: FreeBody) -> ComputedModes:
@@ -108,18 +102,17 @@ class Basis(ABC):
         and for more modes than its mesh can carry.
         """
         held = places(body, self.points, self.tool, self.radius)
-        chosen = self.columns(body, held)
-        vectors = orthonormal(body, chosen.vectors, held)
-        return tabulated(Reduction(body, held, vectors, self), chosen.notes)
+        vectors, notes = self.columns(body, held)
+        return tabulated(Reduction(body, held, orthonormal(body, vectors, held), self), notes)
 
 
 @dataclass(frozen=True, eq=False)
 class FreeFree(Basis):
     """The n lowest free–free modes: for a platform that nothing stiff holds."""
 
-    def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
+    def columns(self, body: FreeBody, held: tuple[Holding, ...]) -> Columns:
         squares, vectors = body.free_modes(self.n)
-        return Columns(vectors[:, : self.n], cut_pair(np.sqrt(squares), self.n))
+        return vectors[:, : self.n], cut_pair(np.sqrt(squares), self.n)
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,15 +124,14 @@ class FreeFreeWithAttachment(Basis):
     out, and named in the notes.
     """
 
-    def columns(self, body: FreeBody, held: tuple[Place, ...]) -> Columns:
+    def columns(self, body: FreeBody, held: tuple[Holding, ...]) -> Columns:
         squares, vectors = body.free_modes(self.n)
         squares, vectors = squares[: self.n], vectors[:, : self.n]
         static = static_response(body, held)
-        loads = static.loads
-        residual = static.flexed - vectors @ ((vectors.T @ loads.columns) / squares[:, None])
-        kept = static.soft(np.sum(loads.columns * residual, axis=0), self.negligible)
-        kept = independent(body, residual, kept)
-        return Columns(np.hstack([vectors, residual[:, kept]]), left_out(loads.names, kept))
+        residual = static.flexed - vectors @ ((vectors.T @ static.columns) / squares[:, None])
+        soft = static.soft(np.sum(static.columns * residual, axis=0), self.negligible)
+        kept = independent_columns(body, residual, soft)
+        return np.hstack([vectors, residual[:, kept]]), left_out(static.names, kept)
 
 
 def reduction_of(modes: Modes) -> Reduction:
@@ -187,37 +179,43 @@ def converged(modes: Modes, tolerance: float = 0.01, up_to: float | None = None)
     return kind(n, basis.points, basis.tool, basis.radius, negligible).modes(body)
 
 
+def change(frequencies: Array, coarse: Array) -> Array:
+    """The relative change (N,) of frequencies (N,) from coarse ones (any number), NaN where there is none."""
+    known = min(len(frequencies), len(coarse))
+    found = np.full(len(frequencies), np.nan)
+    found[:known] = np.abs(coarse[:known] / frequencies[:known] - 1.0)
+    return found
+
+
+def with_mesh_error(modes: ComputedModes, coarse: FreeBody) -> ComputedModes:
+    """The same modes, with the change of the free–free ones' frequencies from a coarser mesh.
+
+    Raises InputError where their model is not at hand, or the coarser mesh cannot carry them.
+    """
+    n = reduction_of(modes).basis.n
+    return replace(modes, frequency_error=change(modes.frequencies, np.sqrt(coarse.free_modes(n)[0][:n])))
+
+
 def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> ComputedModes:
     """Shapes at the nodes and at the places, frequencies, integrals."""
     body, held, vectors, basis = reduction
-    tool = basis.tool is not None
-    extra = [place for place in held if place.node is None]
-    shapes = by_node(np.vstack([body.displacement @ vectors, *(p.displacement @ vectors for p in extra)]))
-    rotations = by_node(np.vstack([body.rotation @ vectors, *(p.rotation @ vectors for p in extra)]))
-    numbers = place_numbers(body, held)
     squares = np.sum(vectors * (body.stiffness @ vectors), axis=0)
-    return ComputedModes(
-        nodes=np.vstack([body.nodes, *(p.point[None] for p in extra)]),
+    own = ComputedModes(
+        nodes=body.nodes,
         triangles=body.triangles,
-        shapes=shapes,
-        rotations=rotations,
+        shapes=by_node(body.displacement @ vectors),
+        rotations=by_node(body.rotation @ vectors),
         frequencies=np.sqrt(squares),
         frequency_error=np.full(len(squares), np.nan),
         moments=body.moments(vectors),
-        corners=numbers[: len(held) - tool],
+        corners=(),
         source=body.source,
         notes=(*body.notes, *notes),
-        tool=numbers[-1] if tool else None,
         report=body.report,
         solid=body.solid,
         reduction=reduction,
     )
-
-
-def place_numbers(body: FreeBody, held: tuple[Place, ...]) -> tuple[int, ...]:
-    """The node of each place; those of patches follow the body's own."""
-    own, free = [], len(body.nodes)
-    for place in held:
-        own.append(free if place.node is None else place.node)
-        free += place.node is None
-    return tuple(own)
+    found = with_places(own, [place.nodes for place in held], [place.point for place in held])
+    if basis.tool is None:
+        return found
+    return replace(found, corners=found.corners[:-1], tool=found.corners[-1])

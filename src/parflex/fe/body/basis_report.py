@@ -3,14 +3,14 @@
 import numpy as np
 
 from parflex.fe.body.basis import ComputedModes
-from parflex.fe.body.check_report import Rows, rigid_rows
+from parflex.fe.body.check_report import ReportRows, rigid_rows
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import modal_mass, rigid_momentum, rigid_part
 from parflex.robot.modes import Modes
 from parflex.robot.moments import shifted
 
 
-def check_rows(modes: Modes) -> Rows:
+def check_rows(modes: Modes) -> ReportRows:
     """Each thing that was checked, and the finding, in words; of imported modes, the rows of their report."""
     computed = modes if isinstance(modes, ComputedModes) else None
     if computed is not None and computed.reduction is None and computed.report is not None:
@@ -21,7 +21,7 @@ def check_rows(modes: Modes) -> Rows:
     return [*rigid, *stiffness_rows(computed.reduction.body), *elastic, *basis_rows(computed)]
 
 
-def elastic_rows(modes: Modes) -> Rows:
+def elastic_rows(modes: Modes) -> ReportRows:
     """Orthonormality and momenta of the elastic modes; momenta against rigid motions of equal energy."""
     if not len(modes.frequencies):
         return []
@@ -35,7 +35,7 @@ def elastic_rows(modes: Modes) -> Rows:
     ]
 
 
-def stiffness_rows(body: FreeBody) -> Rows:
+def stiffness_rows(body: FreeBody) -> ReportRows:
     """The stiffness against rigid motions."""
     squares, first = body.rigid_squares, body.free_modes(1)[0][0]
     return [
@@ -43,7 +43,7 @@ def stiffness_rows(body: FreeBody) -> Rows:
     ]
 
 
-def basis_rows(modes: ComputedModes) -> Rows:
+def basis_rows(modes: ComputedModes) -> ReportRows:
     """The errors of the basis, where there are joints."""
     if not modes.corners:
         return []

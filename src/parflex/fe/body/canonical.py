@@ -31,9 +31,9 @@ def canonical(vectors: Array, frequencies: Array, deflection: Array, corners: in
 
 def clusters(frequencies: Array) -> list[tuple[int, int]]:
     """Ranges of modes whose neighbours lie closer than `EQUAL`."""
-    breaks = [i for i in range(1, len(frequencies)) if not close(frequencies, i, EQUAL)]
-    edges = [0, *breaks, len(frequencies)]
-    return [(a, b) for a, b in pairwise(edges) if b > a]
+    N = len(frequencies)
+    breaks = [i for i in range(1, N) if not close(frequencies, i, EQUAL)]
+    return [(a, b) for a, b in pairwise([0, *breaks, N]) if b > a]
 
 
 def close(frequencies: Array, i: int, gap: float = DEGENERATE) -> bool:

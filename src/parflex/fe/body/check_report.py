@@ -8,7 +8,7 @@ import numpy as np
 from parflex.base.array import Array, without_roundoff
 from parflex.fe.body.integrals import RigidBody
 
-Rows = list[tuple[str, str]]
+ReportRows = list[tuple[str, str]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +20,7 @@ class Report(ABC):
     body: RigidBody
 
     @abstractmethod
-    def rows(self) -> Rows:
+    def rows(self) -> ReportRows:
         """Each thing that was checked, and the finding."""
 
     def __str__(self) -> str:
@@ -53,7 +53,7 @@ class CheckReport(Report):
     frequencies: Array
     rotations: bool
 
-    def rows(self) -> Rows:
+    def rows(self) -> ReportRows:
         changed = np.max(np.abs(self.frequencies / self.frequencies_read - 1), initial=0.0)
         kept = "as in the file" if changed == 0 else f"up to {100 * changed:.2g} % from those in the file"
         removed = "found and removed" if self.rigid_modes else "in the file; the others have no momentum"
@@ -92,7 +92,7 @@ class MatrixReport(Report):
     residual_stiffness: float
     first: float
 
-    def rows(self) -> Rows:
+    def rows(self) -> ReportRows:
         return [
             ("unknowns", f"{self.unknowns}"),
             *rigid_rows(self.body),
@@ -101,16 +101,16 @@ class MatrixReport(Report):
         ]
 
 
-def rigid_rows(body: RigidBody, beside: tuple[str, str, str] = ("", "", "")) -> Rows:
+def rigid_rows(body: RigidBody, beside: tuple[str, str, str] = ("", "", "")) -> ReportRows:
     """Mass, centre of mass and inertia, each with what is to be said beside it."""
     com, inertia = without_roundoff(body.com, 1.0, 1e-9), without_roundoff(np.linalg.eigvalsh(body.inertia))
     return [
         ("mass", f"{body.mass:.6g} kg{beside[0]}"),
-        ("centre of mass", f"{vector(com)} m{beside[1]}"),
-        ("inertia about it", f"{vector(inertia)} kg m² (principal){beside[2]}"),
+        ("centre of mass", f"{vector_text(com)} m{beside[1]}"),
+        ("inertia about it", f"{vector_text(inertia)} kg m² (principal){beside[2]}"),
     ]
 
 
-def vector(values: Array) -> str:
+def vector_text(values: Array) -> str:
     """The text (x, y, z)."""
     return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"

@@ -7,7 +7,7 @@ from parflex.fe.body.accuracy import DEPENDENT
 from parflex.fe.body.canonical import canonical
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import modal_mass, rigid_momentum
-from parflex.fe.body.joints import Place
+from parflex.fe.body.joints import Holding
 from parflex.robot.moments import shifted
 
 
@@ -22,7 +22,7 @@ def left_out(names: tuple[str, ...], kept: Array) -> tuple[str, ...]:
     return (f"no attachment modes, since too stiff: {'; '.join(words)}",) if words else ()
 
 
-def independent(body: FreeBody, vectors: Array, kept: Array) -> Array:
+def independent_columns(body: FreeBody, vectors: Array, kept: Array) -> Array:
     """The ones (p,) bool of the vectors kept that add something to those before them."""
     basis = np.zeros((body.unknowns, 0))
     out = kept.copy()
@@ -38,7 +38,7 @@ def independent(body: FreeBody, vectors: Array, kept: Array) -> Array:
     return out
 
 
-def orthonormal(body: FreeBody, vectors: Array, held: tuple[Place, ...]) -> Array:
+def orthonormal(body: FreeBody, vectors: Array, held: tuple[Holding, ...]) -> Array:
     """The same space, with m_ee = 1, K diagonal and ascending, S = β = 0, and canonical signs."""
     vectors = vectors / np.sqrt(np.sum(vectors * (body.mass @ vectors), axis=0))
     for _ in range(2):

@@ -45,8 +45,7 @@ class Element:
     def points(self) -> Array:
         """The nodes' reference coordinates (n, d)."""
         corners = np.array(self.corners, dtype=float)
-        middles = [corners[list(edge)].mean(axis=0) for edge in self.edges]
-        return np.vstack([corners, *middles])
+        return np.vstack([corners, *(corners[list(edge)].mean(axis=0) for edge in self.edges)])
 
     @cached_property
     def sides(self) -> tuple[tuple[int, ...], ...]:
@@ -126,8 +125,7 @@ def complete(dimension: int, degree: int) -> tuple[tuple[int, ...], ...]:
 
 def serendipity(dimension: int) -> tuple[tuple[int, ...], ...]:
     """Exponents whose part of second degree or more in single variables is at most a square."""
-    every = product(range(3), repeat=dimension)
-    return tuple(p for p in every if sum(q for q in p if q > 1) <= 2)
+    return tuple(p for p in product(range(3), repeat=dimension) if sum(q for q in p if q > 1) <= 2)
 
 
 def times(flat: tuple[tuple[int, ...], ...], along: int) -> tuple[tuple[int, ...], ...]:
@@ -135,7 +133,7 @@ def times(flat: tuple[tuple[int, ...], ...], along: int) -> tuple[tuple[int, ...
     return tuple((*p, z) for p in flat for z in range(along + 1))
 
 
-def stacked(flat: tuple[tuple[int, int], ...]) -> tuple[tuple[int, ...], ...]:
+def base_and_lid(flat: tuple[tuple[int, int], ...]) -> tuple[tuple[int, ...], ...]:
     """A base at ζ = 0 and a lid at ζ = 1."""
     return tuple((*p, z) for z in (0, 1) for p in flat)
 
@@ -154,10 +152,10 @@ ELEMENTS = {
     "quad8": Element(RefQuad, QUAD, QUAD_EDGES, serendipity(2), FLAT_4),
     "tet4": Element(RefTet, TETRA, (), complete(3, 1), TETRA_FACES),
     "tet10": Element(RefTet, TETRA, TETRA_EDGES, complete(3, 2), TETRA_FACES),
-    "wedge6": Element(RefWedge, stacked(TRIANGLE), (), times(complete(2, 1), 1), PRISM_FACES),
-    "wedge15": Element(RefWedge, stacked(TRIANGLE), PRISM_EDGES, PRISM_15, PRISM_FACES),
-    "hex8": Element(RefHex, stacked(QUAD), (), times(times(complete(1, 1), 1), 1), BRICK_FACES),
-    "hex20": Element(RefHex, stacked(QUAD), BRICK_EDGES, serendipity(3), BRICK_FACES),
+    "wedge6": Element(RefWedge, base_and_lid(TRIANGLE), (), times(complete(2, 1), 1), PRISM_FACES),
+    "wedge15": Element(RefWedge, base_and_lid(TRIANGLE), PRISM_EDGES, PRISM_15, PRISM_FACES),
+    "hex8": Element(RefHex, base_and_lid(QUAD), (), times(times(complete(1, 1), 1), 1), BRICK_FACES),
+    "hex20": Element(RefHex, base_and_lid(QUAD), BRICK_EDGES, serendipity(3), BRICK_FACES),
 }
 
 
@@ -183,11 +181,11 @@ def mass_matrix(
     for part in parts:
         degree = EXACT if degrees is None else degrees[part.kind]
         blocks = ELEMENTS[part.kind].masses(places[part.nodes], part.density, degree)
-        total = total + gathered(part.nodes, blocks, len(places))
+        total = total + sum_of_elements(part.nodes, blocks, len(places))
     return sparse.diags_array(np.asarray(total.sum(axis=1)).ravel()).tocsr() if lumped else total
 
 
-def gathered(rows: Array, blocks: Array, count: int) -> Sparse:
+def sum_of_elements(rows: Array, blocks: Array, count: int) -> Sparse:
     """The sparse sum (count, count) of element matrices (E, k, k) over their rows (E, k)."""
     k = rows.shape[1]
     i, j = np.repeat(rows, k, axis=1).ravel(), np.tile(rows, (1, k)).ravel()

@@ -1,7 +1,9 @@
 """The places where legs and tools hold a body: a node that can turn, or a patch of nodes that move as one."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from dataclasses import replace
+from itertools import count
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,18 +16,21 @@ from parflex.base.errors import InputError
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse
 from parflex.robot.attachments import attachment_nodes
+from parflex.robot.modes import Modes
+
+AnyModes = TypeVar("AnyModes", bound=Modes)
 
 PATCH = 0.025  # of the body's diagonal: a patch's radius where none is given
 FEWEST = 3  # nodes of a patch
 TOOL = "tool"
 
 
-class Place(NamedTuple):
+class Holding(NamedTuple):
     """A point fixed to the body: its displacement (3, n) and rotation (3, n) from the unknowns."""
 
     name: str
     point: Array  # (3,) m
-    node: int | None  # where it is a node of the body
+    nodes: Array  # one of the body, or those of a patch
     displacement: Sparse
     rotation: Sparse
 
@@ -40,7 +45,7 @@ def places(
     points: Sequence[int] | ArrayLike | None,
     tool: int | ArrayLike | None = None,
     radius: float | None = None,
-) -> tuple[Place, ...]:
+) -> tuple[Holding, ...]:
     """The joints, "joint 1" and so on, and the tool last where there is one.
 
     points are node numbers or coordinates (k, 3) m, by default the body's corners; tool is one of
@@ -57,9 +62,10 @@ def places(
         names.append(TOOL)
     if not body.patches:
         return at_nodes(body, names, wanted)
-    size = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
-    reach = PATCH * size if radius is None else positive("radius", radius)
-    return patches(body, names, wanted, reach)
+    diagonal = float(np.linalg.norm(np.ptp(body.nodes, axis=0)))
+    reach = PATCH * diagonal if radius is None else positive("radius", radius)
+    held = nodes_within(body.nodes, body.triangles, names, wanted, reach)
+    return tuple(patch(body, *each) for each in zip(names, wanted, held, strict=True))
 
 
 def located(body: FreeBody, wanted: Sequence[int] | ArrayLike) -> Array:
@@ -78,23 +84,14 @@ def located(body: FreeBody, wanted: Sequence[int] | ArrayLike) -> Array:
     return exactly("points", array, (None, 3))
 
 
-def at_nodes(body: FreeBody, names: list[str], wanted: Array) -> tuple[Place, ...]:
-    """Each on a node of its own."""
-    found = attachment_nodes(body.nodes, wanted)
-    unshared(names, [np.array([node]) for node in found])
-    rows = [slice(3 * node, 3 * node + 3) for node in found]
-    displacement, rotation = body.displacement.tocsr(), body.rotation.tocsr()
+def at_nodes(body: FreeBody, names: list[str], wanted: Array) -> tuple[Holding, ...]:
+    """The places that are each a node of their own."""
+    found = [np.array([node]) for node in attachment_nodes(body.nodes, wanted)]
+    unshared(names, found)
+    matrices = [body.displacement.tocsr(), body.rotation.tocsr()]
     return tuple(
-        Place(name, body.nodes[node], node, displacement[at], rotation[at])
-        for name, node, at in zip(names, found, rows, strict=True)
-    )
-
-
-def patches(body: FreeBody, names: list[str], wanted: Array, reach: float) -> tuple[Place, ...]:
-    """The surface's nodes within reach of each point."""
-    held = nodes_within(body.nodes, body.triangles, names, wanted, reach)
-    return tuple(
-        patch(body, name, point, near) for name, point, near in zip(names, wanted, held, strict=True)
+        Holding(name, body.nodes[node[0]], node, *(X[3 * node[0] : 3 * node[0] + 3] for X in matrices))
+        for name, node in zip(names, found, strict=True)
     )
 
 
@@ -126,12 +123,11 @@ def nodes_within(
     return held
 
 
-def patch(body: FreeBody, name: str, point: Array, near: Array) -> Place:
+def patch(body: FreeBody, name: str, point: Array, near: Array) -> Holding:
     """The mean displacement and rotation of nodes, carried to the point."""
     carried, turn = mean_motion(body.nodes[near], point)
-    rows = (3 * near[:, None] + np.arange(3)).ravel()
-    chosen = body.displacement.tocsr()[rows]
-    return Place(name, point, None, sparse.csr_array(carried @ chosen), sparse.csr_array(turn @ chosen))
+    chosen = body.displacement.tocsr()[(3 * near[:, None] + np.arange(3)).ravel()]
+    return Holding(name, point, near, sparse.csr_array(carried @ chosen), sparse.csr_array(turn @ chosen))
 
 
 def mean_motion(r: Array, point: Array) -> tuple[Array, Array]:
@@ -145,6 +141,31 @@ def mean_motion(r: Array, point: Array) -> tuple[Array, Array]:
     turn = np.linalg.pinv(J, rcond=1e-9) @ np.concatenate([skew(each) for each in s], axis=1)
     mean = np.tile(np.eye(3) / len(r), len(r))
     return mean - skew(point - centre) @ turn, turn
+
+
+def with_places(modes: AnyModes, groups: list[Array], centres: list[Array]) -> AnyModes:
+    """The modes held at groups of nodes: at the node of a group of one, else at one more node, at the centre
+    (3,) m, which moves and turns as the group does in the mean."""
+    patches = [each for each in zip(groups, centres, strict=True) if len(each[0]) > 1]
+    new = count(len(modes.nodes))
+    corners = tuple(int(group[0]) if len(group) == 1 else next(new) for group in groups)
+    if not patches:
+        return replace(modes, corners=corners)
+    N = len(modes.shapes)
+    motions = [
+        np.stack(mean_motion(modes.nodes[group], centre)) @ modes.shapes[:, group].reshape(N, -1).T
+        for group, centre in patches
+    ]
+    moved, turned = np.transpose(motions, (1, 3, 0, 2))
+    turns = np.zeros_like(modes.shapes) if modes.rotations is None else modes.rotations
+    return replace(
+        modes,
+        nodes=np.vstack([modes.nodes, *(centre for _, centre in patches)]),
+        shapes=np.concatenate([modes.shapes, moved], axis=1),
+        rotations=np.concatenate([turns, turned], axis=1),
+        corners=corners,
+        ids=modes.ids and (*modes.ids, *[0] * len(patches)),
+    )
 
 
 def unshared(names: list[str], held: list[Array]) -> None:

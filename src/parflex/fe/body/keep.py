@@ -9,7 +9,7 @@ from parflex.base.array import Array
 
 Answer = TypeVar("Answer")
 
-MOST = 8  # answers that one memory holds; the oldest goes first
+ANSWERS = 8  # answers that one memory holds; the oldest goes first
 
 
 class Memory:
@@ -27,7 +27,7 @@ class Memory:
             known: Answer | None = self._known.get(key)  # type: ignore[assignment]
             if known is None or not enough(known):
                 known = self._known[key] = compute()
-                while len(self._known) > MOST:
+                while len(self._known) > ANSWERS:
                     del self._known[next(iter(self._known))]
             return known
 

@@ -7,26 +7,20 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.progress import waiting
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.joints import Place
-
-
-class Loads(NamedTuple):
-    """Unit loads at places: columns (n, p) and their names."""
-
-    columns: Array
-    names: tuple[str, ...]
+from parflex.fe.body.joints import Holding
 
 
 class Static(NamedTuple):
-    """Loads, and the deformations K⁺ F (n, p) they cause."""
+    """Unit loads F (n, p), their names, and the deformations K⁺ F (n, p) they cause."""
 
-    loads: Loads
+    columns: Array
+    names: tuple[str, ...]
     flexed: Array
 
     @property
     def compliance(self) -> Array:
         """Fᵀ K⁺ F (p, p), m/N for forces, rad/(N m) for moments."""
-        return np.asarray(self.loads.columns.T @ self.flexed)
+        return np.asarray(self.columns.T @ self.flexed)
 
     def soft(self, compliance: Array, negligible: float) -> Array:
         """The ones (p,) bool of these compliances (p,) that are not negligible beside the largest of their
@@ -35,19 +29,13 @@ class Static(NamedTuple):
         return np.asarray(compliance > negligible * np.repeat(np.max(own, axis=1), 3))
 
 
-def static_response(body: FreeBody, held: tuple[Place, ...]) -> Static:
-    """The response to the places' unit loads."""
-    loads = loads_of(body, held)
-    with waiting(f"computing the response to {len(loads.names)} unit loads"):
-        return Static(loads, body.flexed(loads.columns))
-
-
-def loads_of(body: FreeBody, held: tuple[Place, ...]) -> Loads:
-    """Three forces at each place, and three moments at the tool."""
-    columns, names = [np.zeros((body.unknowns, 0))], []
+def static_response(body: FreeBody, held: tuple[Holding, ...]) -> Static:
+    """The response to three unit forces at each place, and three unit moments at the tool."""
+    loads = [(place.name, place.displacement) for place in held]
     for place in held:
-        kinds = [(False, place.displacement)] + [(True, place.rotation)] * place.is_tool
-        for moment, rows in kinds:
-            columns.append(rows.toarray().T)
-            names += [f"{place.name}{' moment' * moment} along {axis}" for axis in "xyz"]
-    return Loads(np.hstack(columns), tuple(names))
+        if place.is_tool:
+            loads.append((f"{place.name} moment", place.rotation))
+    names = tuple(f"{name} along {axis}" for name, _ in loads for axis in "xyz")
+    columns = np.hstack([np.zeros((body.unknowns, 0)), *(rows.toarray().T for _, rows in loads)])
+    with waiting(f"computing the response to {len(names)} unit loads"):
+        return Static(columns, names, body.flexed(columns))

@@ -7,10 +7,9 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.check import positive
 from parflex.base.errors import NotConverged
-from parflex.fe.body.accuracy import Gram, error_of, gram_of
+from parflex.fe.body.accuracy import Gram, Truth, error_of, gram_of, truth_of
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.joints import Place
-from parflex.fe.body.pinned import Truth, truth_of
+from parflex.fe.body.joints import Holding
 
 COUNTS = (12, 24, 48, 96)  # free–free modes that are tried
 PARTS = (1.0, 0.1, 0.01)  # of the tolerance, below which a direction is left out
@@ -25,7 +24,7 @@ class Choice(NamedTuple):
     negligible: float
 
 
-def smallest(body: FreeBody, held: tuple[Place, ...], tolerance: float, up_to: float | None) -> Choice:
+def smallest(body: FreeBody, held: tuple[Holding, ...], tolerance: float, up_to: float | None) -> Choice:
     """The smallest basis right to a tolerance; directions stiffer than the tolerance tells are negligible.
 
     Raises NotConverged where no basis of reasonable size is that good.

@@ -19,11 +19,11 @@ def surface(parts: Iterable[tuple[str, Array, *tuple[Array, ...]]]) -> Array:
         for corners, middles in zip(element.faces, element.sides, strict=True):
             face = nodes[:, [*corners, *middles]]
             if len(element.faces) == 1:
-                found.append(triangles(face, len(corners)))
+                found.append(cut_in_triangles(face, len(corners)))
             else:
                 faces.append((face, len(corners)))
     lone = without_neighbour([face[:, :count] for face, count in faces])
-    found += [triangles(face[alone], count) for (face, count), alone in zip(faces, lone, strict=True)]
+    found += [cut_in_triangles(face[alone], count) for (face, count), alone in zip(faces, lone, strict=True)]
     return np.concatenate(found)
 
 
@@ -36,7 +36,7 @@ def without_neighbour(faces: list[Array]) -> list[Array]:
     return np.split((count == 1)[inverse.ravel()], np.cumsum([len(face) for face in faces])[:-1])
 
 
-def triangles(face: Array, corners: int) -> Array:
+def cut_in_triangles(face: Array, corners: int) -> Array:
     """The triangles of faces (F, 3 or 4 corners, then as many middles or none), those of a face together."""
     middles = np.arange(corners, face.shape[1])
     if len(middles) == 0:

@@ -26,7 +26,7 @@ from parflex.fe.imports.free_checks import (
     check_size,
     check_turns,
     momenta,
-    residual,
+    residual_stiffness,
     told_by_rigid_modes,
     turns_missing,
 )
@@ -57,15 +57,15 @@ def accepted(read: ImportedModes) -> ComputedModes:
     elastic = np.flatnonzero(~rigid)[np.argsort(read.squares[~rigid], kind="stable")]
     size = float(np.max(np.ptp(read.nodes, axis=0)))
     check_size(size, body.mass, float(np.sqrt(read.squares[elastic[0]])))
-    deviation = deviations(read, parts, elastic)
+    deviation = mode_deviations(read, parts, elastic)
     repaired = repair_note(read, deviation, elastic)
-    modes = orthonormal(read, parts, elastic, fields, bool(repaired))
+    modes = orthonormal_modes(read, parts, elastic, fields, bool(repaired))
     notes = (*read.notes, *repaired, *still)
-    report = report_of(read, parts, elastic, modes, body, own, deviation, notes)
+    report = modes_report(read, parts, elastic, modes, body, own, deviation, notes)
     return replace(modes, notes=notes, report=report)
 
 
-def report_of(
+def modes_report(
     read: ImportedModes,
     parts: Momenta,
     elastic: Array,
@@ -86,7 +86,7 @@ def report_of(
         mass_kind=read.mass_kind,
         normalised=read.normalised,
         rigid_modes=len(read.squares) - N,
-        residual_stiffness=residual(read, parts.share > RIGID_SHARE),
+        residual_stiffness=residual_stiffness(read, parts.share > RIGID_SHARE),
         orthonormality=float(np.max(deviation[:, :N], initial=0.0)),
         S=float(np.max(momentum[:, 0], initial=0.0)),
         beta=float(np.max(momentum[:, 1], initial=0.0)),
@@ -98,7 +98,7 @@ def report_of(
     )
 
 
-def deviations(read: ImportedModes, parts: Momenta, elastic: Array) -> Array:
+def mode_deviations(read: ImportedModes, parts: Momenta, elastic: Array) -> Array:
     """|ΦᵀMΦ − 1| of the elastic modes, and their parts along the rigid ones: (N, N + 6).
 
     The diagonal compares with what the program says of its own normalisation.
@@ -145,7 +145,7 @@ def lone_offender(deviation: Array, tolerance: float) -> int | None:
     return None
 
 
-def orthonormal(
+def orthonormal_modes(
     read: ImportedModes, parts: Momenta, elastic: Array, fields: Array, repaired: bool
 ) -> ComputedModes:
     """Rigid parts removed, ΦᵀMΦ = 1; frequencies as read, or of the shapes in the masses read here."""

@@ -8,13 +8,13 @@ from parflex.base.errors import InputError
 
 BEYOND = 1e30  # what no coordinate, displacement, mass or ω² reaches, in any unit
 SAME = 1e-4  # relative difference up to which a number that a file holds twice is the same
-MOST = 100  # characters of another library's words
+LONGEST = 100  # characters of another library's words
 
 
 def briefly(error: Exception) -> str:
     """The first line of an error's text, shortened."""
     first = next(iter(str(error).splitlines()), "")
-    return first if len(first) <= MOST else first[: MOST - 1] + "…"
+    return first if len(first) <= LONGEST else first[: LONGEST - 1] + "…"
 
 
 def read(kind: str, path: Path) -> bytes:

@@ -107,7 +107,7 @@ def check_free(read: ImportedModes, parts: Momenta) -> None:
     )
 
 
-def at_rest(shapes: Array) -> Array:
+def nodes_at_rest(shapes: Array) -> Array:
     """The rows of nodes that move in no mode, of shapes (P, K, 3)."""
     size = np.max(np.abs(shapes), axis=(1, 2), keepdims=True)
     return np.flatnonzero(np.all(np.abs(shapes) <= 1e-9 * size, axis=(0, 2)))
@@ -115,7 +115,7 @@ def at_rest(shapes: Array) -> Array:
 
 def held_nodes(read: ImportedModes) -> str:
     """The words ', and node 1 moves in no mode', where there is one."""
-    still = at_rest(read.shapes)
+    still = nodes_at_rest(read.shapes)
     if len(still) == 0:
         return ""
     names = ", ".join(str(read.ids[node]) for node in still[:4])
@@ -127,7 +127,7 @@ def held_nodes(read: ImportedModes) -> str:
 def check_rigid_modes(read: ImportedModes, parts: Momenta, rigid: Array, fields: Array) -> None:
     """Raise InputError where a rigid mode bends at a node or costs energy, or where another mode does not."""
     lowest = np.min(read.squares[~rigid], initial=np.inf)
-    if not lowest > 0 or residual(read, rigid) > RESIDUAL or lowest == np.inf:
+    if not lowest > 0 or residual_stiffness(read, rigid) > RESIDUAL or lowest == np.inf:
         elastic = np.flatnonzero(~rigid)
         first = f"mode {elastic[np.argmin(read.squares[~rigid])] + 1}" if len(elastic) else "no mode"
         raise InputError(
@@ -192,7 +192,7 @@ def check_turns(read: ImportedModes) -> None:
         )
 
 
-def residual(read: ImportedModes, rigid: Array) -> float:
+def residual_stiffness(read: ImportedModes, rigid: Array) -> float:
     """The largest ω² of a rigid mode against the first elastic one."""
     lowest = np.min(read.squares[~rigid], initial=np.inf)
     return float(np.max(np.abs(read.squares[rigid]), initial=0.0) / lowest)

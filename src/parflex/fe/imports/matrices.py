@@ -43,10 +43,10 @@ def read_matrices(
     """
     system = units_named(units)
     with waiting("reading the matrices"):
-        table = numbers("nodes", Path(nodes), 4)
+        table = table_in("nodes", Path(nodes), 4)
         ids = table[:, 0].astype(int)
         K, M = read_matrix("stiffness", Path(stiffness)), read_matrix("mass", Path(mass))
-        rows = None if unknowns is None else numbered(numbers("unknowns", Path(unknowns), 2), ids)
+        rows = None if unknowns is None else node_directions(table_in("unknowns", Path(unknowns), 2), ids)
         source = f"{Path(stiffness).name}, {Path(mass).name}, {units}"
         return free_body(ids, table[:, 1:], K, M, rows, None, source, system)
 
@@ -71,7 +71,7 @@ def free_body(
         raise InputError("nodes has an id twice; give each node once")
     body = body_of_matrices(units.length * nodes, K, M, unknowns, triangles, source=source)
     check_equilibrium(ids, body)
-    report = report_of(body)
+    report = matrix_report(body)
     check_size(float(np.max(np.ptp(body.nodes, axis=0))), report.body.mass, report.first)
     return replace(body, report=report)
 
@@ -88,7 +88,7 @@ def check_equilibrium(ids: Array, body: FreeBody) -> None:
         )
 
 
-def report_of(body: FreeBody) -> MatrixReport:
+def matrix_report(body: FreeBody) -> MatrixReport:
     """The rigid body of the matrices, and how soft its rigid motions are."""
     first = float(np.sqrt(body.shift / BELOW))
     return MatrixReport(
@@ -130,12 +130,12 @@ def matrix_market(name: str, path: Path) -> Sparse:
     shape = [int(word) if word.isdigit() else -1 for word in size.split()]
     if len(shape) != 3 or min(shape) < 0 or shape[0] != shape[1] or len(entries) != shape[2]:
         raise InputError(f"{name} {path.name} says {size!r} and has {len(entries)} entries; it is damaged")
-    return coordinates(name, path, entries, shape[0], head[4] == "symmetric")
+    return matrix_of_entries(name, path, entries, shape[0], head[4] == "symmetric")
 
 
-def coordinates(name: str, path: Path, entries: list[str], size: int, symmetric: bool) -> Sparse:
+def matrix_of_entries(name: str, path: Path, entries: list[str], size: int, symmetric: bool) -> Sparse:
     """The matrix (n, n) of lines of row, column, value, counted from 1; of one triangle if symmetric."""
-    table = table_of(name, path, entries, 3)
+    table = table_of_lines(name, path, entries, 3)
     whole = np.all(table[:, :2] == np.floor(table[:, :2]))
     if not whole or np.any(table[:, :2] < 1) or np.any(table[:, :2] > size):
         raise InputError(f"{name} {path.name} does not fit {size} unknowns; write it again")
@@ -144,12 +144,12 @@ def coordinates(name: str, path: Path, entries: list[str], size: int, symmetric:
     return matrix + matrix.T - sparse.diags_array(matrix.diagonal()) if symmetric else matrix
 
 
-def numbers(name: str, path: Path, columns: int) -> Array:
+def table_in(name: str, path: Path, columns: int) -> Array:
     """The finite numbers (n, columns) of a text file."""
-    return table_of(name, path, lines_of(name, path), columns)
+    return table_of_lines(name, path, lines_of(name, path), columns)
 
 
-def table_of(name: str, path: Path, lines: list[str], columns: int) -> Array:
+def table_of_lines(name: str, path: Path, lines: list[str], columns: int) -> Array:
     """Finite numbers (n, columns) of lines, with commas or without."""
     rows = [line.replace(",", " ") for line in lines if line.strip() and not line.startswith("#")]
     if not rows:
@@ -161,7 +161,7 @@ def table_of(name: str, path: Path, lines: list[str], columns: int) -> Array:
     return table
 
 
-def numbered(table: Array, ids: Array) -> Array:
+def node_directions(table: Array, ids: Array) -> Array:
     """Node and direction (n, 2) from 0, of ids and directions from 1."""
     order = np.argsort(ids)
     at = np.searchsorted(ids, table[:, 0], sorter=order)

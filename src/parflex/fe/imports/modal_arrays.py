@@ -45,10 +45,10 @@ def read_arrays(path: str | PathLike[str], units: str = "") -> ComputedModes:
     """
     system = units_named(units)
     file = Path(path)
-    return accepted(imported(file.name, checked(file.name, arrays_of(file)), system))
+    return accepted(in_si_units(file.name, fitting_together(file.name, named_arrays(file)), system))
 
 
-def arrays_of(path: Path) -> Mapping[str, Array]:
+def named_arrays(path: Path) -> Mapping[str, Array]:
     """The arrays of a file that have names known here."""
     import h5py
 
@@ -65,7 +65,7 @@ def arrays_of(path: Path) -> Mapping[str, Array]:
             return {name: np.asarray(file[name]) for name in SHAPES if name in file}
 
 
-def checked(name: str, given: Mapping[str, Array]) -> dict[str, Array]:
+def fitting_together(name: str, given: Mapping[str, Array]) -> dict[str, Array]:
     """The arrays in the shapes that fit together, those that may be missing in their default.
 
     Raises InputError where one is missing, of another shape, or has values that cannot be.
@@ -95,7 +95,7 @@ def checked(name: str, given: Mapping[str, Array]) -> dict[str, Array]:
     return found
 
 
-def imported(name: str, given: dict[str, Array], units: Units) -> ImportedModes:
+def in_si_units(name: str, given: dict[str, Array], units: Units) -> ImportedModes:
     """The arrays in SI units."""
     omega, modal, rotations = given["omega"], given["modal_mass"], given.get("rotations")
     return ImportedModes(

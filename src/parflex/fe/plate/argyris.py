@@ -33,11 +33,11 @@ def argyris(corners: Array, refine: int) -> skfem.Basis:
 
     Those of the last plates are kept, since they take most of the time that modes take; read-only.
     """
-    make = kept if refine <= FINEST else elements
+    make = kept_elements if refine <= FINEST else argyris_elements
     return make(tuple(map(tuple, (corners - centroid(corners)).tolist())), refine)
 
 
-def elements(corners: tuple[tuple[float, ...], ...], refine: int) -> skfem.Basis:
+def argyris_elements(corners: tuple[tuple[float, ...], ...], refine: int) -> skfem.Basis:
     """The elements on a fan about the origin, with their arrays read-only."""
     basis = skfem.Basis(fan_mesh(np.array(corners), refine), skfem.ElementTriArgyris(), intorder=10)
     fields = [part for functions in basis.basis for field in functions for part in field if part is not None]
@@ -46,7 +46,7 @@ def elements(corners: tuple[tuple[float, ...], ...], refine: int) -> skfem.Basis
     return basis
 
 
-kept = lru_cache(maxsize=KEPT)(elements)
+kept_elements = lru_cache(maxsize=KEPT)(argyris_elements)
 
 
 def node_rows(basis: skfem.Basis, components: dict[int, tuple[int, float]]) -> sparse.csr_array:

@@ -11,13 +11,20 @@ from scipy.sparse.linalg import splu
 from parflex.base.array import Array
 from parflex.base.check import integer
 from parflex.base.errors import InputError
-from parflex.fe.body.basis import Basis, ComputedModes, FreeFree
+from parflex.fe.body.basis import Basis, ComputedModes, FreeFree, change
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.mesh_error import change
 from parflex.fe.plate.argyris import argyris, node_rows, unknowns
-from parflex.fe.plate.moments import plate_moments, quadrature, sampled
 from parflex.fe.plate.polygon import centroid, convex_polygon
-from parflex.fe.plate.section import Section, bending_form, inertia_form, plate_section, rigid_load
+from parflex.fe.plate.section import (
+    Section,
+    bending_form,
+    inertia_form,
+    plate_moments,
+    plate_quadrature,
+    plate_section,
+    rigid_load,
+    sampled,
+)
 from parflex.robot.moments import Moments, shifted
 
 DEFAULT_REFINE = 2
@@ -53,10 +60,10 @@ def plate_modes(
     section = plate_section(thickness, young, poisson, density)
     basis = n_modes if isinstance(n_modes, Basis) else FreeFree(integer("n_modes", n_modes))
     refine = fine_enough(len(corners), basis.n, refine)
-    modes = basis.modes(assembled(corners, section, refine))
+    modes = basis.modes(free_plate(corners, section, refine))
     if not len(modes.frequencies):
         return modes
-    coarse = coarse_frequencies(assembled(corners, section, refine - 1), basis)
+    coarse = coarse_frequencies(free_plate(corners, section, refine - 1), basis)
     error = change(modes.frequencies, coarse)
     coarse_notes = coarse_mesh(error[: basis.n], refine)
     for note in (*(modes.notes if isinstance(basis, FreeFree) else ()), *coarse_notes):
@@ -93,7 +100,7 @@ def plate_body(
     """
     corners = convex_polygon(polygon)
     section = plate_section(thickness, young, poisson, density)
-    return assembled(corners, section, integer("refine", refine))
+    return free_plate(corners, section, integer("refine", refine))
 
 
 def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
@@ -107,7 +114,7 @@ def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
     )
 
 
-def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
+def free_plate(corners: Array, section: Section, refine: int) -> FreeBody:
     """The free plate: matrices and meaning of its Argyris unknowns."""
     place = np.append(centroid(corners), 0.0)
     basis = argyris(corners, refine)
@@ -115,7 +122,7 @@ def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
     size = np.linalg.norm(np.ptp(corners, axis=0))
 
     def moments(vectors: Array) -> Moments:
-        return shifted(plate_moments(sampled(basis, vectors), section, *quadrature(basis)), -place)
+        return shifted(plate_moments(sampled(basis, vectors), section, *plate_quadrature(basis)), -place)
 
     return FreeBody(
         nodes=np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T + place,
@@ -124,7 +131,7 @@ def assembled(corners: Array, section: Section, refine: int) -> FreeBody:
         displacement=node_rows(basis, {2: (0, 1.0)}),
         rotation=node_rows(basis, {0: (2, 1.0), 1: (1, -1.0)}),
         patches=False,
-        rigid=rigid_motions(basis, section, mass),
+        rigid=rigid_unknowns(basis, section, mass),
         moments=moments,
         shift=float(section.D / (section.a * size**4)),
         triangles=basis.mesh.t.T.copy(),
@@ -142,7 +149,7 @@ def coarse_frequencies(body: FreeBody, basis: Basis) -> Array:
         return np.sqrt(body.free_modes(min(basis.n, count))[0])
 
 
-def rigid_motions(basis: Any, section: Section, mass: Any) -> Array:
+def rigid_unknowns(basis: Any, section: Section, mass: Any) -> Array:
     """The unknowns (n, 6) of rigid motions.
 
     w = 1, y, −x for translation along z and rotations about x and y; zero columns for the others. The

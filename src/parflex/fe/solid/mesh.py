@@ -83,19 +83,12 @@ def without_doubles(r: Array, cells: Array) -> tuple[Array, Array, tuple[str, ..
     count = len(used)
     touching = sparse.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     groups, group = connected_components(touching, directed=False)
-    first = np.full(groups, count)
-    np.minimum.at(first, group, np.arange(count))
-    order = np.argsort(first)
-    number = np.empty(groups, dtype=np.int64)
-    number[order] = np.arange(groups)
+    first = np.unique(group, return_index=True)[1]
     new = np.full(len(r), -1)
-    new[used] = number[group]
-    notes = []
-    if groups < count:
-        notes.append(f"{count - groups} coincident nodes were joined")
-    if count < len(r):
-        notes.append(f"{len(r) - count} nodes on no element were left out")
-    return r[used[first[order]]], new[cells], tuple(notes)
+    new[used] = np.argsort(np.argsort(first))[group]
+    joined = (f"{count - groups} coincident nodes were joined",) * (groups < count)
+    idle = (f"{len(r) - count} nodes on no element were left out",) * (count < len(r))
+    return r[used[np.sort(first)]], new[cells], (*joined, *idle)
 
 
 def upright(r: Array, cells: Array) -> tuple[Array, tuple[str, ...]]:
@@ -133,8 +126,8 @@ def one_piece(r: Array, cells: Array) -> None:
     names = np.unique(group[cells[:, 0]])
     if len(names) == 1:
         return
-    one = r[np.unique(cells[group[cells[:, 0]] == names[0], :4])]
-    rest = r[np.unique(cells[group[cells[:, 0]] != names[0], :4])]
+    first = group[cells[:, 0]] == names[0]
+    one, rest = (r[np.unique(cells[chosen, :4])] for chosen in (first, ~first))
     gap = float(np.min(cKDTree(one).query(rest)[0]))
     raise InputError(
         f"the mesh has {len(names)} parts that do not touch, {gap:.3g} m apart at their nearest nodes; a "

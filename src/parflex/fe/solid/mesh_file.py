@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from parflex.base.errors import InputError
+from parflex.base.extra import extra
 from parflex.fe.solid.mesh import SolidMesh, solid_mesh
 from parflex.fe.units import length_unit
 
@@ -25,7 +26,7 @@ def read_mesh(path: str | os.PathLike[str], unit: str) -> SolidMesh:
     scale, file = length_unit("unit", unit), Path(path)
     if not file.is_file():
         raise InputError(f"{file}: there is no such file")
-    mesh = opened(file)
+    mesh = meshio_mesh(file)
     kinds = {block.type for block in mesh.cells}
     wanted = "tetra10" if "tetra10" in kinds else "tetra"
     chosen = [k for k, block in enumerate(mesh.cells) if block.type == wanted]
@@ -41,14 +42,9 @@ def read_mesh(path: str | os.PathLike[str], unit: str) -> SolidMesh:
     return solid_mesh(scale * np.asarray(mesh.points, dtype=float), cells.astype(np.int64), parts)
 
 
-def opened(file: Path) -> Any:
+def meshio_mesh(file: Path) -> Any:
     """meshio's mesh. Raises InputError where it cannot be read."""
-    try:
-        import meshio
-    except ImportError:
-        raise InputError(
-            "meshio is not installed, which reads meshes; pip install 'parflex[solids]'"
-        ) from None
+    meshio = extra("meshio", "meshio is not installed, which reads meshes; pip install 'parflex[solids]'")
     try:
         return meshio.read(file)
     except (Exception, SystemExit) as error:  # meshio raises many kinds, and exits on unknown formats

@@ -13,13 +13,14 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import exactly, integer, positive
 from parflex.base.errors import InputError
+from parflex.base.extra import extra
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
 from parflex.fe.plate.polygon import simple_polygon
 from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
 from parflex.fe.units import length_unit, unit_of_step
 
-FEWEST, WANTED, MOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
+LEAST, UNKNOWNS, UTMOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
 TRIES = 8
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
 NETGEN_EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -78,11 +79,11 @@ def outline_mesh(
             raise InputError(f"ribs[{number}].height is {rib.height}; it cannot be zero")
         ends = (half, half + rib.height) if rib.height > 0 else (-half + rib.height, -half)
         solids.append((prism(occ, region, *ends), integer(f"ribs[{number}].part", rib.part)))
-    top = 2.0 * max(np.max(np.abs(box(shape))) for shape, _ in solids)
+    top = 2.0 * max(np.max(np.abs(bounds(shape))) for shape, _ in solids)
     for number, hole in enumerate(holes):
         cut = bore(occ, f"holes[{number}]", hole, top)
         solids = [(shape - cut, part) for shape, part in solids]
-    return meshed(joined(occ, solids), size, fine_at, fine)
+    return meshed(one_shape(occ, solids), size, fine_at, fine)
 
 
 def step_mesh(
@@ -114,22 +115,15 @@ def step_mesh(
     if not shape.solids:
         raise InputError(f"{file} holds no solid; export a solid body, not surfaces")
     # Open Cascade turns what the file names into millimetres, and Netgen passes them on as they are
-    scale = 1e-3 if unit is None else 1e-3 * length_unit("unit", unit) / named
-    grown = shape.Scale(occ.Pnt(0, 0, 0), scale)
-    return meshed(
-        joined(occ, list(zip(grown.solids, range(len(shape.solids)), strict=True))), size, fine_at, fine
-    )
+    grown = shape.Scale(occ.Pnt(0, 0, 0), 1e-3 if unit is None else 1e-3 * length_unit("unit", unit) / named)
+    parts = [(solid, part) for part, solid in enumerate(grown.solids)]
+    return meshed(one_shape(occ, parts), size, fine_at, fine)
 
 
 def netgen() -> Any:
     """The module netgen.occ. Raises InputError where it is not installed."""
-    try:
-        import netgen.occ
-    except ImportError:
-        raise InputError(
-            "Netgen is not installed, which meshes solids; pip install 'parflex[solids]', or give a mesh"
-        ) from None
-    return netgen.occ
+    words = "Netgen is not installed, which meshes solids; pip install 'parflex[solids]', or give a mesh"
+    return extra("netgen.occ", words)
 
 
 def prism(occ: Any, corners: Array, bottom: float, top: float) -> Any:
@@ -141,7 +135,7 @@ def prism(occ: Any, corners: Array, bottom: float, top: float) -> Any:
 
 
 def bore(occ: Any, name: str, hole: ArrayLike, top: float) -> Any:
-    """What a hole takes away: a cylinder (x, y, radius), or a prism."""
+    """The solid that a hole takes away: a cylinder (x, y, radius), or a prism."""
     given = np.asarray(hole, dtype=object)
     if given.ndim > 1:
         return prism(occ, simple_polygon(name, hole), -top, top)
@@ -149,7 +143,7 @@ def bore(occ: Any, name: str, hole: ArrayLike, top: float) -> Any:
     return occ.Cylinder((x, y, -top), occ.Z, r=positive(f"{name} radius", radius), h=2 * top)
 
 
-def joined(occ: Any, solids: list[tuple[Any, int]]) -> Any:
+def one_shape(occ: Any, solids: list[tuple[Any, int]]) -> Any:
     """One shape: solids of a part fused, parts meeting in common faces and named by number."""
     parts = []
     for part in sorted({part for _, part in solids}):
@@ -163,7 +157,7 @@ def joined(occ: Any, solids: list[tuple[Any, int]]) -> Any:
     return occ.Glue(parts) if len(parts) > 1 else parts[0]
 
 
-def box(shape: Any) -> Array:
+def bounds(shape: Any) -> Array:
     """Lowest and highest coordinates (2, 3)."""
     return np.array([(corner.x, corner.y, corner.z) for corner in shape.bounding_box])
 
@@ -174,7 +168,12 @@ def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | Non
     if len(near) and fine is None:
         raise InputError("fine_at is given without fine, the size of elements there, m")
     key = ("mesh", drawing(shape), size, near, fine)
-    nodes, elements, parts = kept(key, lambda: mesh_arrays(sized(shape, size, near, fine)))
+
+    def compute() -> tuple[Array, Array, Array]:
+        mesh = sized(shape, size, near, fine)
+        return mesh.nodes, mesh.elements, mesh.parts
+
+    nodes, elements, parts = kept(key, compute)
     return SolidMesh(nodes, elements, parts)
 
 
@@ -182,22 +181,17 @@ def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> So
     """The mesh of a size, or of the number of unknowns that is wanted."""
     if size is not None:
         return tetrahedra(shape, positive("size", size), near, fine)
-    trial, power = float(np.prod(np.ptp(box(shape), axis=0)) ** (1 / 3)) / 4, 0.45
+    trial, power = float(np.prod(np.ptp(bounds(shape), axis=0)) ** (1 / 3)) / 4, 0.45
     best: SolidMesh | None = None
     for _ in range(TRIES):
         mesh = tetrahedra(shape, trial, near, fine)
         count = 3 * len(mesh.nodes)
-        if count <= MOST and (best is None or count > 3 * len(best.nodes)):
+        if count <= UTMOST and (best is None or count > 3 * len(best.nodes)):
             best = mesh
-        if FEWEST <= count <= MOST:
+        if LEAST <= count <= UTMOST:
             break
-        trial *= (count / WANTED) ** power
+        trial *= (count / UNKNOWNS) ** power
     return mesh if best is None else best
-
-
-def mesh_arrays(mesh: SolidMesh) -> list[Array]:
-    """What is kept of it."""
-    return [mesh.nodes, mesh.elements, mesh.parts]
 
 
 def drawing(shape: Any) -> bytes:

@@ -47,7 +47,7 @@ def recover(modes: Modes, elastic: ArrayLike, points: ArrayLike | None = None) -
     if points is None:
         shapes = [nodal_fields(modes.nodes, solid, shape) for shape in modes.shapes]
     else:
-        where = located(modes.nodes, solid, exactly("points", points, (None, 3)))
+        where = elements_at(modes.nodes, solid, exactly("points", points, (None, 3)))
         shapes = [fields_at(modes.nodes, solid, shape, *where) for shape in modes.shapes]
     count = len(modes.nodes) if points is None else len(np.asarray(points))
     empty = [np.zeros((0, count, *tail)) for tail in ((3,), (3, 3), (3, 3))]
@@ -112,7 +112,7 @@ def averaged(elements: Array, values: Array, count: int) -> Array:
     return (sums / near[:, None]).reshape(count, 3, 3)
 
 
-def located(nodes: Array, solid: Solid, points: Array) -> tuple[Array, Array]:
+def elements_at(nodes: Array, solid: Solid, points: Array) -> tuple[Array, Array]:
     """The element (P,) and the reference coordinates (P, 3) of points.
 
     Raises InputError for a point in no element.

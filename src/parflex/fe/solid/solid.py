@@ -12,7 +12,7 @@ from scipy import sparse
 from parflex.base.array import Array
 from parflex.base.check import all_of_type, of_type
 from parflex.base.errors import InputError
-from parflex.fe.body.elements import TET10, Elements, gathered, gradients, mass_matrix
+from parflex.fe.body.elements import TET10, Elements, gradients, mass_matrix, sum_of_elements
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse
 from parflex.fe.body.material import Material, Solid
@@ -36,10 +36,10 @@ def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_siz
         raise InputError(f"material has {len(materials)} entries, the mesh {parts} parts; give one for each")
     solid = Solid(mesh.elements, mesh.parts, materials)
     lam, mu, rho = solid.by_element(np.array([(*m.lame, m.density) for m in materials])).T
-    of_K, of_M = degrees(mesh)
+    of_K, of_M = exact_degrees(mesh)
     m = mass_matrix(mesh.nodes, [Elements("tet10", mesh.elements, rho)], degrees={"tet10": of_M})
     if not any_size:
-        check_size(mesh, float(m.sum()))
+        check_unit(mesh, float(m.sum()))
     body = body_of_matrices(
         mesh.nodes,
         stiffness(mesh, lam, mu, of_K),
@@ -51,7 +51,7 @@ def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_siz
     return replace(body, solid=solid)
 
 
-def check_size(mesh: SolidMesh, mass: float) -> None:
+def check_unit(mesh: SolidMesh, mass: float) -> None:
     """Raise InputError for a size or mass that no platform has."""
     size = float(np.max(np.ptp(mesh.nodes, axis=0)))
     if mass > HEAVIEST or not SMALLEST < size < LARGEST:
@@ -61,7 +61,7 @@ def check_size(mesh: SolidMesh, mass: float) -> None:
         )
 
 
-def degrees(mesh: SolidMesh) -> tuple[int, int]:
+def exact_degrees(mesh: SolidMesh) -> tuple[int, int]:
     """The degrees of quadrature of K and M: exact for straight elements, M for curved ones too."""
     x = mesh.nodes[mesh.elements]
     bow = np.max(np.abs(x[:, 4:] - 0.5 * (x[:, EDGES[:, 0]] + x[:, EDGES[:, 1]])))
@@ -80,4 +80,4 @@ def stiffness(mesh: SolidMesh, lam: Array, mu: Array, degree: int) -> Sparse:
     for a in range(3):
         blocks[:, :, a, :, a] += mu[:, None, None] * shear
     rows = (3 * mesh.elements[:, :, None] + np.arange(3)).reshape(E, 30)
-    return gathered(rows, blocks.reshape(E, 30, 30), 3 * len(mesh.nodes))
+    return sum_of_elements(rows, blocks.reshape(E, 30, 30), 3 * len(mesh.nodes))

@@ -10,6 +10,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
+from parflex.base.extra import extra
 from parflex.base.progress import Progress
 from parflex.base.writing import replacing
 from parflex.fe.solid.recovery import Fields, mesh_of, recover
@@ -18,7 +19,7 @@ from parflex.robot.modes import Modes
 VOIGT = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  # VTK's order of symmetric tensors
 
 
-class Run(Protocol):
+class HasDataset(Protocol):
     """A run of a robot: anything with a dataset of elastic coordinates in time, such as `pf.Result`."""
 
     @property
@@ -27,7 +28,7 @@ class Run(Protocol):
 
 
 def write_fields(
-    modes: Modes, result: Run, path: str | os.PathLike[str], times: Sequence[float] | None = None
+    modes: Modes, result: HasDataset, path: str | os.PathLike[str], times: Sequence[float] | None = None
 ) -> list[Path]:
     """Displacement (m), strain, stress and von Mises stress (Pa) of a run on a solid, for ParaView.
 
@@ -45,7 +46,9 @@ def write_fields(
         raise InputError(
             f"modes are {len(modes.frequencies)}, the run has {elastic.shape[1]}: it is another's"
         )
-    rows = range(len(clock)) if times is None else [nearest(clock, time) for time in np.atleast_1d(times)]
+    rows = (
+        range(len(clock)) if times is None else [nearest_time(clock, time) for time in np.atleast_1d(times)]
+    )
     files = []
     with Progress("fields", len(rows)) as bar:
         for number, row in enumerate(rows):
@@ -58,7 +61,7 @@ def write_fields(
     return [target, *files]
 
 
-def nearest(clock: Array, time: float) -> int:
+def nearest_time(clock: Array, time: float) -> int:
     """The output time's number. Raises InputError for a time outside the run."""
     if not clock[0] - 1e-9 <= float(finite("times", time, ())) <= clock[-1] + 1e-9:
         raise InputError(f"times has {time} s; the run goes from {clock[0]} to {clock[-1]} s")
@@ -67,12 +70,7 @@ def nearest(clock: Array, time: float) -> int:
 
 def write_vtu(modes: Modes, fields: Fields, file: Path) -> None:
     """One file of fields at the nodes."""
-    try:
-        import meshio
-    except ImportError:
-        raise InputError(
-            "meshio is not installed, which writes fields; pip install 'parflex[solids]'"
-        ) from None
+    meshio = extra("meshio", "meshio is not installed, which writes fields; pip install 'parflex[solids]'")
     mesh = mesh_of(modes)
     count = len(mesh.nodes)
     rows, columns = zip(*VOIGT, strict=True)

@@ -45,10 +45,10 @@ def read_calculix(
     system = units_named(units)
     with waiting("reading the files of CalculiX"):
         modes, deck = read_frd(Path(frd)), read_deck(Path(inp))
-        return accepted(together(f"{Path(frd).name} and {Path(inp).name}", modes, deck, system))
+        return accepted(on_mesh(f"{Path(frd).name} and {Path(inp).name}", modes, deck, system))
 
 
-def together(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedModes:
+def on_mesh(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedModes:
     """The modes on the mesh, in SI units."""
     nodes = units.length * exact_places(modes.ids, modes.nodes, deck)
     number = {int(node): k for k, node in enumerate(modes.ids)}

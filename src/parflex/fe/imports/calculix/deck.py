@@ -69,7 +69,7 @@ def read_deck(deck: str | PathLike[str]) -> Deck:
         }
         elements: dict[str, list[list[int]]] = {}
         for _, options, data in (keyword for keyword in found if keyword.name == "ELEMENT"):
-            kind = solid_of(path.name, options.get("TYPE", ""))
+            kind = solid_kind(path.name, options.get("TYPE", ""))
             if kind:
                 elements.setdefault(kind, []).extend(rows_of(kind, data))
         materials = materials_of(path.name, found)
@@ -81,7 +81,11 @@ def read_deck(deck: str | PathLike[str]) -> Deck:
     return Deck(
         ids=np.array(list(places)),
         nodes=table,
-        elements={kind: in_order(kind, rows) for kind, rows in elements.items() if rows},
+        elements={
+            kind: np.array(rows)[:, ABAQUS_ORDER.get(kind, slice(None))]
+            for kind, rows in elements.items()
+            if rows
+        },
         materials=materials,
     )
 
@@ -127,7 +131,7 @@ def keywords(path: Path, depth: int) -> Iterator[Keyword]:
     yield keyword
 
 
-def solid_of(name: str, kind: str) -> str:
+def solid_kind(name: str, kind: str) -> str:
     """The kind of a solid from its type, such as C3D20R; empty for what is no solid.
 
     Raises InputError for a type that is not known.
@@ -147,9 +151,3 @@ def rows_of(kind: str, data: list[list[str]]) -> list[list[int]]:
     if len(numbers) % count:
         raise ValueError(f"elements of {count - 1} nodes with {len(numbers)} numbers")
     return [numbers[k + 1 : k + count] for k in range(0, len(numbers), count)]
-
-
-def in_order(kind: str, rows: list[list[int]]) -> Array:
-    """The elements (E, n) in Nastran's order of the nodes."""
-    table = np.array(rows)
-    return table[:, ABAQUS_ORDER[kind]] if kind in ABAQUS_ORDER else table

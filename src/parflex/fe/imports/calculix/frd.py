@@ -16,6 +16,7 @@ from parflex.fe.body.elements import ELEMENTS
 from parflex.fe.imports.foreign import BEYOND, SAME, read, refusing
 
 KINDS = {1: "hex8", 2: "wedge6", 3: "tet4", 4: "hex20", 5: "wedge15", 6: "tet10"}
+Mode = tuple[int, float, float, Array]  # number, ω², modal mass, displacements (K, 3)
 LONG = 1  # the format with numbers of ten digits
 
 
@@ -46,14 +47,6 @@ class Block(NamedTuple):
     lines: Sequence[bytes]
 
 
-class Mode(NamedTuple):
-    """The head of a block of displacements."""
-
-    number: int
-    square: float
-    mass: float
-
-
 def read_frd(path: Path) -> FrdModes:
     """The modes of an frd file.
 
@@ -69,8 +62,8 @@ def read_frd(path: Path) -> FrdModes:
         found = list(blocks(name, text.split(b"\n")))
         ids, nodes = table(name, only(name, found, b"    2C"))
         elements = read_elements(name, only(name, found, b"    3C"))
-        modes = list(mode_blocks(name, found, ids))
-        return collected(name, ids, nodes, elements, materials_of(found), modes)
+        modes = mode_blocks(name, found, ids)
+        return collected(name, ids, nodes, elements, material_names(found), list(modes))
 
 
 def blocks(name: str, lines: Sequence[bytes]) -> Iterator[Block]:
@@ -104,13 +97,13 @@ def only(name: str, found: Sequence[Block], key: bytes) -> Block:
     return some[0]
 
 
-def materials_of(found: Sequence[Block]) -> dict[int, str]:
+def material_names(found: Sequence[Block]) -> dict[int, str]:
     """The names of materials by their numbers."""
     heads = [block.head for block in found if block.head.startswith(b"    1UMAT")]
     return {int(head[9:14]): head[14:].decode("latin-1").strip().upper() for head in heads}
 
 
-def mode_blocks(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple[Mode, Array]]:
+def mode_blocks(name: str, found: Sequence[Block], ids: Array) -> Iterator[Mode]:
     """The modes, each told of in lines before its displacements (K, 3)."""
     told: dict[str, float] = {}
     announced = given = 0
@@ -125,7 +118,7 @@ def mode_blocks(name: str, found: Sequence[Block], ids: Array) -> Iterator[tuple
             if not np.array_equal(nodes, ids):
                 raise InputError(f"frd {name} has other nodes in a mode than in the mesh; it is damaged")
             given += 1
-            yield mode_of(name, head, told), values
+            yield (*mode_of(name, head, told), values)
     if given != announced:
         raise InputError(f"frd {name} announces {announced} modes and holds {given}; write it again")
 
@@ -169,13 +162,13 @@ def read_elements(name: str, block: Block) -> tuple[FrdElement, ...]:
     return tuple(found)
 
 
-def mode_of(name: str, line: bytes, told: dict[str, float]) -> Mode:
+def mode_of(name: str, line: bytes, told: dict[str, float]) -> tuple[int, float, float]:
     """The number, ω² and modal mass of a mode; the file says ω² as a frequency, too."""
     frequency, mass, stiffness = float(line[12:24]), told["PGM"], told["PGK"]
     square = stiffness / mass
     if not mass > 0 or abs((2 * np.pi * frequency) ** 2 - max(square, 0.0)) > SAME * abs(square) + 1e-12:
         raise InputError(f"frd {name} contradicts itself in the frequency of a mode; it is damaged")
-    return Mode(int(told["PMODE"]), square, mass)
+    return int(told["PMODE"]), square, mass
 
 
 def collected(
@@ -184,10 +177,10 @@ def collected(
     nodes: Array,
     elements: tuple[FrdElement, ...],
     materials: dict[int, str],
-    modes: list[tuple[Mode, Array]],
+    modes: list[Mode],
 ) -> FrdModes:
     """All that was read, where it is one set of modes of one mesh."""
-    numbers = [mode.number for mode, _ in modes]
+    numbers = [number for number, *_ in modes]
     if not modes or numbers != list(range(1, len(numbers) + 1)):
         raise InputError(
             f"frd {name} holds {len(modes)} modes, numbered {numbers[:3]} …; run one step "
@@ -200,7 +193,7 @@ def collected(
         nodes=nodes,
         elements=elements,
         materials=materials,
-        shapes=np.stack([values for _, values in modes]),
-        squares=np.array([mode.square for mode, _ in modes]),
-        modal_mass=np.array([mode.mass for mode, _ in modes]),
+        shapes=np.stack([values for *_, values in modes]),
+        squares=np.array([square for _, square, _, _ in modes]),
+        modal_mass=np.array([mass for _, _, mass, _ in modes]),
     )

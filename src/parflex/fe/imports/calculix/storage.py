@@ -15,7 +15,7 @@ from parflex.fe.imports.calculix.calculix import numbered
 from parflex.fe.imports.calculix.deck import Deck, read_deck
 from parflex.fe.imports.foreign import lines_of, refusing
 from parflex.fe.imports.importer import Importer
-from parflex.fe.imports.matrices import coordinates, free_body
+from parflex.fe.imports.matrices import free_body, matrix_of_entries
 from parflex.fe.imports.unit_systems import check_material, units_named
 
 
@@ -41,7 +41,7 @@ def calculix_body(matrices: str | PathLike[str], inp: str | PathLike[str], units
         parts = [(kind, numbered(rows.tolist(), number)) for kind, rows in deck.elements.items()]
         return free_body(
             ids=ids,
-            nodes=places(job.stem, ids, deck),
+            nodes=deck_places(job.stem, ids, deck),
             stiffness=K,
             mass=M,
             unknowns=np.column_stack([numbered(unknowns[:, :1].tolist(), number), unknowns[:, 1] - 1]),
@@ -51,7 +51,7 @@ def calculix_body(matrices: str | PathLike[str], inp: str | PathLike[str], units
         )
 
 
-def places(name: str, ids: Array, deck: Deck) -> Array:
+def deck_places(name: str, ids: Array, deck: Deck) -> Array:
     """The coordinates (K, 3) of nodes by id, in the deck's unit."""
     row = {int(node): k for k, node in enumerate(deck.ids)}
     missing = [node for node in ids.tolist() if node not in row]
@@ -64,13 +64,13 @@ def degrees(path: Path) -> Array:
     """The node and direction (n, 2) of each unknown, from lines such as 12.3."""
     lines = lines_of("matrices", path)
     with refusing(f"matrices {path.name} is damaged ({{}}); write it again", ValueError):
-        rows = [line.split(".") for line in lines if line.strip()]
+        rows = (line.split(".") for line in lines if line.strip())
         return np.array([[int(node), int(direction)] for node, direction in rows]).reshape(-1, 2)
 
 
 def triangle(path: Path, size: int) -> Sparse:
     """The symmetric matrix (n, n) of lines of row, column, value of one triangle, counted from 1."""
-    return coordinates("matrices", path, lines_of("matrices", path), size, symmetric=True)
+    return matrix_of_entries("matrices", path, lines_of("matrices", path), size, symmetric=True)
 
 
 IMPORTER = Importer("calculix-matrices", calculix_body, ("matrices", "inp"))

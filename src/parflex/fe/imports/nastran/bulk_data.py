@@ -21,7 +21,7 @@ MASSLESS = (
     "CORD", "CELAS", "CDAMP", "CBUSH", "CGAP", "CVISC", "CWELD", "CFAST", "CSEAM", "CEND", "CSET", "CPLSTN",
     "CPLSTS",
 )  # fmt: skip
-SUPERELEMENTS = ("SESET", "SECONCT", "CSUPER", "SEBULK", "SELABEL")
+SUPERELEMENT_CARDS = ("SESET", "SECONCT", "CSUPER", "SEBULK", "SELABEL")
 
 
 class BulkModel(NamedTuple):
@@ -86,7 +86,7 @@ def check_whole(bulk: Bulk) -> None:
         raise InputError(
             f"bulk {bulk.name} has no ENDDATA; it is cut short, or not the main file: give all of it"
         )
-    apart = sorted(set(SUPERELEMENTS) & set(bulk.cards))
+    apart = sorted(set(SUPERELEMENT_CARDS) & set(bulk.cards))
     if apart or any(np.any(bulk.fields(card, 7, 1, "SEID of GRID")) for card in bulk.of("GRID")):
         raise InputError(
             f"bulk {bulk.name} divides the model into superelements ({', '.join(apart) or 'SEID of GRID'}); "

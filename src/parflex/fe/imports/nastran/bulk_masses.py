@@ -26,25 +26,26 @@ SHAPES = {  # card: kinds by their number of nodes, and where the first node is
     "CONROD": (("line2",), 1),
 }
 DENSITY_FIELD = {"MAT1": 4, "MAT2": 7, "MAT8": 7, "MAT9": 22}
-SECTIONS = {"PROD": (1, 2, 5), "PBAR": (1, 2, 6)}  # material, area, non-structural mass
+SECTIONS = {"PROD": (1, 2, 5), "PBAR": (1, 2, 6), "CONROD": (3, 4, 7)}  # material, area, non-structural mass
 
 
 def elements(bulk: Bulk, number: dict[int, int]) -> Iterator[Elements]:
     """The elements that weigh, by kind, with their density per measure in SI."""
-    properties = bulk.by_id("PSHELL", "PCOMP", "PSOLID", *SECTIONS)
+    properties = bulk.by_id("PSHELL", "PCOMP", "PSOLID", "PROD", "PBAR")
     materials = bulk.by_id(*DENSITY_FIELD)
     made: dict[int, tuple[int, float]] = {}
     for name, (kinds, first) in SHAPES.items():
         found: dict[str, list[tuple[list[int], float]]] = {}
         for card in bulk.of(name):
-            if name == "CONROD":
-                material, area, extra = (bulk.fields(card, k, 1, name)[0] for k in (3, 4, 7))
-                told = (1, area * density(bulk, int(material), materials) + extra)
+            pid = int(bulk.fields(card, 1, 1, name)[0])
+            if name == "CONROD":  # it is its own property
+                told = per_measure(bulk, name, card, materials)
+            elif pid not in properties:
+                raise InputError(
+                    f"bulk {bulk.name}: {name} uses property {pid}, which is not there or not known here"
+                )
             else:
-                pid = int(bulk.fields(card, 1, 1, name)[0])
-                if pid not in made:
-                    made[pid] = per_measure(bulk, name, pid, properties, materials)
-                told = made[pid]
+                told = made[pid] = made.get(pid) or per_measure(bulk, *properties[pid], materials)
             kind, nodes = nodes_of(bulk, name, card, kinds, first)
             check_flat(bulk, name, card)
             if len(ELEMENTS[kind].points[0]) != told[0]:
@@ -87,15 +88,8 @@ def check_flat(bulk: Bulk, name: str, card: Card) -> None:
         )
 
 
-def per_measure(
-    bulk: Bulk, element: str, pid: int, properties: dict[int, Any], materials: dict[int, Any]
-) -> tuple[int, float]:
+def per_measure(bulk: Bulk, name: str, card: Card, materials: dict[int, Any]) -> tuple[int, float]:
     """The dimension of a property, and its density per volume, area or length."""
-    if pid not in properties:
-        raise InputError(
-            f"bulk {bulk.name}: {element} uses property {pid}, which is not there or not known here"
-        )
-    name, card = properties[pid]
     if name == "PSOLID":
         return 3, density(bulk, int(bulk.fields(card, 1, 1, name)[0]), materials)
     if name == "PSHELL":
@@ -127,8 +121,8 @@ def density(bulk: Bulk, mid: int, materials: dict[int, Any]) -> float:
     name, card = materials[mid]
     rho = float(bulk.fields(card, DENSITY_FIELD[name], 1, name)[0])
     young = float(bulk.fields(card, 1, 1, name)[0]) if name in ("MAT1", "MAT8") else 0.0
-    scale = bulk.parameter("WTMASS", 1.0)
-    check_material(f"material {mid} of bulk {bulk.name}", rho * scale, young or None, bulk.units)
+    mass = rho * bulk.parameter("WTMASS", 1.0)
+    check_material(f"material {mid} of bulk {bulk.name}", mass, young or None, bulk.units)
     return rho
 
 

@@ -11,7 +11,7 @@ from parflex.base.progress import waiting
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.integrals import RigidBody
 from parflex.fe.imports.acceptance import accepted
-from parflex.fe.imports.free_checks import at_rest
+from parflex.fe.imports.free_checks import nodes_at_rest
 from parflex.fe.imports.imported import ImportedModes, cosines, inner, rigid_body_of
 from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.nastran.bulk_data import BulkModel, read_bulk
@@ -46,13 +46,13 @@ def read_nastran(
                 f"bulk is not given, and op2 {Path(op2).name} has no masses of nodes; give the bulk data "
                 f"that Nastran solved"
             )
-        model = read_bulk(Path(bulk), system)
-        return accepted(together(f"{Path(op2).name} and {Path(bulk).name}", modes, model, system))
+        names = f"{Path(op2).name} and {Path(bulk).name}"
+        return accepted(on_grids(names, modes, read_bulk(Path(bulk), system), system))
 
 
 def check_not_held(name: str, modes: Op2Modes) -> None:
     """Raise InputError where a node stays in its place in all modes."""
-    still = at_rest(modes.shapes)
+    still = nodes_at_rest(modes.shapes)
     if len(still) and np.all(np.isfinite(modes.shapes)):
         raise InputError(
             f"op2 {name} is of a model that is held, not free: node {modes.ids[still[0]]} moves in no mode; "
@@ -60,7 +60,7 @@ def check_not_held(name: str, modes: Op2Modes) -> None:
         )
 
 
-def together(name: str, modes: Op2Modes, model: BulkModel, units: Units) -> ImportedModes:
+def on_grids(name: str, modes: Op2Modes, model: BulkModel, units: Units) -> ImportedModes:
     """The modes on the nodes of the bulk data, in SI units and basic components."""
     grids = model.ids[model.ids > 0]
     if not np.array_equal(modes.ids, grids):
@@ -136,8 +136,7 @@ def weighed(modes: Op2Modes, model: BulkModel, units: Units) -> RigidBody | None
     if modes.weights is None:
         return None
     scale = np.array([1.0] * 3 + [units.length] * 3)
-    inertia = model.weight_to_mass * units.mass * np.outer(scale, scale) * modes.weights
-    body = rigid_body_of(inertia)
+    body = rigid_body_of(model.weight_to_mass * units.mass * np.outer(scale, scale) * modes.weights)
     return body._replace(com=body.com + model.reference)
 
 

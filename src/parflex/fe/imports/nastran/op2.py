@@ -13,7 +13,7 @@ from parflex.fe.imports.foreign import BEYOND, SAME, read
 from parflex.fe.imports.nastran.pyyeti import nastran
 
 DISPLACEMENTS = ("OUGV1", "OUG1", "BOUGV1", "BOPHIG")  # the last two in the basic coordinate system
-SUPERELEMENTS = ("SELIST", "EMAP", "MAPS", "GEOM1S", "BGPDTS", "EQEXINS")
+SUPERELEMENT_TABLES = ("SELIST", "EMAP", "MAPS", "GEOM1S", "BGPDTS", "EQEXINS")
 REAL_MODES = 2  # approach code
 TABLES = (1, 7)  # table codes of displacements and eigenvectors
 
@@ -31,18 +31,10 @@ class Op2Modes(NamedTuple):
 
 
 class Words(NamedTuple):
-    """How a file writes integers and reals."""
+    """NumPy's names of the integers and reals that a file holds."""
 
-    order: str  # "<" or ">"
-    size: int  # 4 or 8 bytes
-
-    @property
-    def integer(self) -> str:
-        return f"{self.order}i{self.size}"
-
-    @property
-    def real(self) -> str:
-        return f"{self.order}f{self.size}"
+    integer: str
+    real: str
 
 
 def read_op2(path: Path) -> Op2Modes:
@@ -72,18 +64,16 @@ def check_frame(path: Path) -> Words:
             break
     else:
         raise InputError(f"op2 {path.name} is no OUTPUT2 file; ask Nastran for PARAM,POST,-1")
-    words, key = Words(order, size), 0
-    at, fits = 0, True
-    while fits and at < len(data):
+    words = Words(f"{order}i{size}", f"{order}f{size}")
+    at = key = 0
+    while at < len(data):
         length = size * key if key > 0 else size
         end = at + 8 + length
-        fits = end <= len(data)
-        fits = fits and data[at : at + 4] == data[end - 4 : end] == struct.pack(order + "i", length)
-        if fits:
-            record = data[at + 4 : end - 4]
-            key = 0 if key > 0 else int(np.frombuffer(record, words.integer)[0])
-            at = end
-    if not fits or key != 0:
+        if not data[at : at + 4] == data[end - 4 : end] == struct.pack(order + "i", length):
+            break
+        key = 0 if key > 0 else int(np.frombuffer(data[at + 4 : end - 4], words.integer)[0])
+        at = end
+    if at < len(data) or key != 0:
         raise InputError(
             f"op2 {path.name} is damaged or cut short at byte {at} of {len(data)}; write it again"
         )
@@ -93,10 +83,9 @@ def check_frame(path: Path) -> Words:
 def modes_in(name: str, file: Any, words: Words) -> Op2Modes:
     """The modes of an opened file."""
     tables = set(file.dbdct)
-    if tables & set(SUPERELEMENTS):
+    if apart := sorted(tables & set(SUPERELEMENT_TABLES)):
         raise InputError(
-            f"op2 {name} is of a model in superelements ({', '.join(sorted(tables & set(SUPERELEMENTS)))}); "
-            f"solve the model in one piece"
+            f"op2 {name} is of a model in superelements ({', '.join(apart)}); solve the model in one piece"
         )
     shown = [table for table in DISPLACEMENTS if table in tables]
     if not shown:
@@ -115,14 +104,13 @@ def modes_in(name: str, file: Any, words: Words) -> Op2Modes:
         raise InputError(f"op2 {name} has other nodes in one mode than in another; it is damaged")
     values = np.stack([motion for *_, motion in modes])
     squares = np.array([square for _, square, _, _ in modes])
-    masses = generalised_masses(name, file, squares, words)
     weights = file.rdop2gpwg() if "OGPWG" in tables else None
     return Op2Modes(
         ids=ids,
         shapes=values[..., :3],
         rotations=values[..., 3:],
         squares=squares,
-        modal_mass=masses,
+        modal_mass=generalised_masses(name, file, squares, words),
         weights=None if weights is None else np.array(weights["m66"], dtype=float),
         basic=shown[0].startswith("B"),
     )
@@ -139,8 +127,8 @@ def displacements(
             data = file.rdop2record("bytes")
             code = np.frombuffer(ident, words.integer)
             square = float(np.frombuffer(ident, words.real)[5])
-            real = code[8] == 1 and code[9] == 8
-            if code[0] // 10 != REAL_MODES or code[1] % 1000 not in TABLES or not real:
+            real = (code[0] // 10, code[8], code[9]) == (REAL_MODES, 1, 8)
+            if not real or code[1] % 1000 not in TABLES:
                 raise InputError(
                     f"op2 {name} holds {table} of another analysis than real modes (approach "
                     f"{code[0] // 10}, table {code[1]}, format {code[8]}); run SOL 103"

@@ -1,11 +1,10 @@
 """pyYeti's readers of Nastran's files; the package is an extra."""
 
-from importlib import import_module
 from typing import Any
 
 import numpy as np
 
-from parflex.base.errors import InputError
+from parflex.base.extra import extra
 
 
 def nastran(module: str) -> Any:
@@ -13,10 +12,6 @@ def nastran(module: str) -> Any:
 
     Raises InputError where pyYeti is not installed.
     """
-    try:
-        with np.printoptions():
-            return import_module(f"pyyeti.nastran.{module}")
-    except ImportError:
-        raise InputError(
-            'Nastran\'s files need pyYeti; install it with: pip install "parflex[nastran]"'
-        ) from None
+    words = 'Nastran\'s files need pyYeti; install it with: pip install "parflex[nastran]"'
+    with np.printoptions():
+        return extra(f"pyyeti.nastran.{module}", words)
