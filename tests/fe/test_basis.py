@@ -121,7 +121,7 @@ def test_static_response_of_a_solid():
     """Equilibrium of each deformation with its load and inertia: K u = f − M R (Rᵀ M R)⁻¹ Rᵀ f."""
     body = plate()
     static = static_response(body, modes().reduction.held)
-    f = static.loads.columns
+    f = static.columns
     K, M = body.stiffness, body.mass
     com = np.asarray(M @ np.ones(body.unknowns))[::3] @ body.nodes / (M.sum() / 3)
     r = body.nodes - com
