@@ -1,5 +1,8 @@
 """Bases: what they span, what they leave out, and how they say so."""
 
+import time
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from scipy.linalg import eigh, null_space
@@ -7,6 +10,7 @@ from scipy.linalg import eigh, null_space
 import parflex as pf
 from blocks import STEEL, box, two_blocks
 from paper_robot import PLATE, corners
+from parflex.fe.body.keep import Memory
 from parflex.fe.body.response import static_response
 from solid_plates import JOINTS, MATERIAL, RADIUS, TOOL, modes, plate
 
@@ -231,3 +235,27 @@ def test_cache_gives_the_same(tmp_path, monkeypatch):
     assert np.array_equal(found[0].shapes, found[1].shapes)
     assert "factor" not in found[1].reduction.body.__dict__
     assert len(list(tmp_path.glob("*.bin"))) == 2
+
+
+def test_threads_wait_for_one_answer():
+    """Eight threads ask at once: one computes, all have the same; a larger answer replaces a smaller one."""
+    memory, computed = Memory(), []
+
+    def compute():
+        time.sleep(0.05)
+        computed.append(1)
+        return [len(computed)]
+
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: memory.recall("key", compute), range(8)))
+    assert found == [[1]] * 8
+    assert memory.recall("key", lambda: [1, 2], enough=lambda known: len(known) >= 2) == [1, 2]
+    assert memory.recall("key", compute) == [1, 2]
+
+
+def test_a_memory_keeps_the_newest():
+    memory = Memory()
+    for number in range(20):
+        memory.recall(str(number), lambda number=number: number)
+    assert memory.recall("19", lambda: "forgotten") == 19
+    assert memory.recall("0", lambda: "forgotten") == "forgotten"

@@ -7,7 +7,7 @@ import pytest
 
 import parflex as pf
 from paper_robot import PLATE, TABLE_2, corners
-from parflex.fe.plate.argyris import unknowns
+from parflex.fe.plate.argyris import argyris, unknowns
 from parflex.mechanics.platform import body_energies
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,
@@ -184,3 +184,19 @@ def test_slender_plate_is_not_passed_off_as_resolved():
     with pytest.warns(UserWarning, match="from the mesh once coarser: raise refine"):
         found = pf.fe.plate_modes(strip, n_modes=3, **PLATE)
     assert np.max(found.frequency_error) > 0.05
+
+
+def test_elements_are_made_once_and_are_read_only():
+    """Two plates of one outline share them; a finer mesh has its own."""
+    found = argyris(corners(), 2)
+    assert argyris(corners(), 2) is found
+    assert argyris(corners(), 1) is not found
+    with pytest.raises(ValueError, match="read-only"):
+        found.dx[0] = 0.0
+
+
+def test_plates_that_share_elements_are_their_own():
+    """Material and thickness are not those of the plate before."""
+    thin = pf.fe.plate_modes(corners(), n_modes=3, **PLATE | {"thickness": 1e-3})
+    thick = pf.fe.plate_modes(corners(), n_modes=3, **PLATE | {"thickness": 2e-3})
+    assert np.allclose(thick.frequencies, 2 * thin.frequencies, rtol=1e-4)
