@@ -191,6 +191,7 @@ def test_a_run_that_stops_is_kept(parflex, tmp_path):
     code, out, err = parflex("simulate", "robot.toml", "--trajectory", "fall.toml", "--out", "run")
     assert code == 1, err
     assert "the result is partial" in out
+    assert "warning" not in err
     assert pf.load_result("run/result.nc").partial
 
 

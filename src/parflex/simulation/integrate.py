@@ -80,9 +80,9 @@ def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: S
     stepper: Stepper | None = None
     try:
         stepper = begin()
-        while len(run.left):
-            rows = stepper.advance(run.left)
-            advance = Advance(stepper, run.left[: len(rows)], rows, stepper.t)
+        while len(left := run.left):
+            rows = stepper.advance(left)
+            advance = Advance(stepper, left[: len(rows)], rows, stepper.t)
             for observer in observers:
                 observer.see(advance)
             run.take(advance)

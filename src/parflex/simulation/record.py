@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from parflex.base.array import Array
 from parflex.base.version import __version__
 from parflex.model.model import Model
 from parflex.robot.joint_words import beyond_limits
@@ -18,6 +19,7 @@ from parflex.simulation.variables.legs import side_by_side
 from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
 
+Labelled = tuple[tuple[str, ...], Array, dict[str, str]]  # dimensions, values, attributes
 NUMBERED = ("leg", "actuator", "attachment")  # dimensions whose entries are numbered from 1
 
 
@@ -31,8 +33,9 @@ def record(
 ) -> xr.Dataset:
     """The dataset of an integrated run and of what its law did."""
     recorded, robot = Recorded(model.robot, run, replay, trajectory), model.robot
-    data = {each.name: labelled(each, recorded) for each in variables}
-    found = xr.Dataset({name: entry for name, entry in data.items() if entry is not None})
+    labels = {each.name: labelled(each, recorded) for each in variables}
+    data = {name: entry for name, entry in labels.items() if entry is not None}
+    sizes = {dim: n for dims, values, _ in data.values() for dim, n in zip(dims, values.shape, strict=True)}
     time, names = COORDINATES
     coords: dict[str, Any] = {
         "time": labelled(time, recorded),
@@ -41,7 +44,7 @@ def record(
         "mode": np.arange(1, robot.platform.modes + 1),
         "actuator_name": (names.dims, names.of(recorded)),
     }
-    coords |= {dim: np.arange(1, found.sizes[dim] + 1) for dim in NUMBERED if dim in found.sizes}
+    coords |= {dim: np.arange(1, sizes[dim] + 1) for dim in NUMBERED if dim in sizes}
     attributes = {
         "format": FORMAT,
         "partial": int(bool(run.stopped)),
@@ -53,10 +56,10 @@ def record(
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",
         **settings,
     }
-    return found.assign_coords(coords).assign_attrs(attributes)
+    return xr.Dataset(data, coords, attributes)
 
 
-def labelled(variable: Variable, recorded: Recorded) -> tuple[Any, ...] | None:
+def labelled(variable: Variable, recorded: Recorded) -> Labelled | None:
     """The variable as xarray takes it: dimensions, values, attributes; None where the run has none."""
     values = variable.of(recorded)
     if values is None:

@@ -5,6 +5,7 @@ from functools import cached_property
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.kernels.segment import Sample
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, joints_of
 from parflex.mechanics.paths import Paths, leg_paths
@@ -60,6 +61,11 @@ class Recorded:
         """(T, N)."""
         N = self.robot.platform.modes
         return self.replay.rate[:, 13 + N : 13 + 2 * N]
+
+    @cached_property
+    def wanted(self) -> Sample | None:
+        """The motion that was to be followed, if one was."""
+        return None if self.trajectory is None else self.trajectory.sample(self.t)
 
     @cached_property
     def attachment_deformation(self) -> Array:

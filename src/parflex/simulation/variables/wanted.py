@@ -17,7 +17,7 @@ def of_trajectory(compute: Wanted) -> Callable[[Recorded], Array | None]:
     """The function of a run that gives a function of the wanted motion, where there is one."""
 
     def of(run: Recorded) -> Array | None:
-        return None if run.trajectory is None else compute(run, run.trajectory.sample(run.t))
+        return None if run.wanted is None else compute(run, run.wanted)
 
     return of
 
