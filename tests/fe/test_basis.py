@@ -226,12 +226,12 @@ def test_same_node_of_a_plate_twice(hexagon):
 def test_cache_gives_the_same(tmp_path, monkeypatch):
     """From an empty cache, then from a full one, where nothing is factorised."""
     monkeypatch.setenv("PARFLEX_CACHE", str(tmp_path))
-    monkeypatch.setattr(pf.fe.body.free_body, "SMALL", 0)
     found = []
     for _ in range(2):
-        body = pf.fe.solid_body(box((0.3, 0.2, 0.1), (3, 2, 1)), STEEL)
+        body = pf.fe.solid_body(box((0.3, 0.2, 0.1), (9, 6, 3)), STEEL)  # a small one is not kept
         ends = [(-0.15, -0.1, 0.0), (0.15, 0.1, 0.0)]
         found.append(pf.fe.FreeFreeWithAttachment(3, ends, radius=0.06).modes(body))
+    assert any(tmp_path.iterdir())
     assert np.array_equal(found[0].shapes, found[1].shapes)
     assert "factor" not in found[1].reduction.body.__dict__
     assert len(list(tmp_path.glob("*.bin"))) == 2

@@ -15,7 +15,6 @@ import parflex as pf
 from measures import relative
 from paper_robot import links
 from parflex.app.json_schema import ALL_SCHEMAS
-from parflex.app.templates import write_templates
 from parflex.fe.modal_file import FIELDS, MOMENTS, save_body
 from parflex.files.lines import line_of
 from places import DOCS
@@ -229,10 +228,10 @@ density = 2700
 EIGENSOLVER = 1e-7  # modes of corners that differ by round-off, pairs turned by as much
 
 
-def test_template_is_the_robot_of_the_paper(tmp_path):
+def test_template_is_the_robot_of_the_paper(parflex):
     """Written by hand with units, against the tables of Section 6."""
-    path, _ = write_templates(tmp_path / "robot.toml")
-    mine, paper = pf.load_robot(path), pf.robots.gough_stewart(7)
+    assert parflex("init")[0] == 0
+    mine, paper = pf.load_robot("robot.toml"), pf.robots.gough_stewart(7)
     models = [pf.Model(robot, "numpy") for robot in (mine, paper)]
     (bent, forces), (sagging, expected) = (model.equilibrium(*paper.home_pose) for model in models)
     assert relative(forces, expected) < 1e-9
@@ -358,9 +357,10 @@ def test_platform_files_that_fail(tmp_path):
             pf.load_robot(path)
 
 
-def test_expected_mobility(tmp_path):
+def test_expected_mobility(parflex, tmp_path):
     """The template's six freedoms, against an expectation of three, and without motors."""
-    path, _ = write_templates(tmp_path / "robot.toml")
+    assert parflex("init")[0] == 0
+    path = tmp_path / "robot.toml"
     text = path.read_text(encoding="utf-8")
     assert pf.load_robot(path).legs
     number = 1 + text[: text.index("mobility = 6")].count("\n")

@@ -7,12 +7,10 @@ from importlib import import_module
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
-from typer.testing import CliRunner
 
 import oracle
 import parflex as pf
 from measures import actuated, relative
-from parflex.app.cli import app
 from parflex.mechanics.closure import posed
 from parflex.robot.layout import unpack
 from places import DOCS
@@ -226,11 +224,11 @@ def test_a_platform_of_ones_own():
         assert entry.build(platform=body).platform is body
 
 
-def test_the_command_checks_a_written_robot(tmp_path):
-    path = model("Delta", True).robot.to_file(tmp_path / "delta.toml")
-    done = CliRunner().invoke(app, ["check", str(path), "--out", str(tmp_path)])
-    assert done.exit_code == 0, done.output
-    assert "3 freedoms" in done.output
+def test_the_command_checks_a_written_robot(parflex):
+    model("Delta", True).robot.to_file("delta.toml")
+    code, out, err = parflex("check", "delta.toml")
+    assert code == 0, err
+    assert "3 freedoms" in out
 
 
 @robots

@@ -7,7 +7,6 @@ import parflex as pf
 from parflex.base.array import mv
 from parflex.mechanics.platform import platform_terms
 from parflex.robot.layout import Layout, coordinates, pack
-from parflex.robot.state import State
 
 MOMENTUM = 1e-11  # over 2 s at rtol 1e-12
 BALANCE = 1e-10  # of the largest term, at rtol 1e-10
@@ -41,7 +40,7 @@ def test_free_platform_keeps_its_momentum(kind):
     run = pf.simulate(model, np.zeros(0), start, np.linspace(0, 2, 21), rtol=1e-12, atol=1e-14)
     assert not run.partial
     data = run.dataset
-    x = coordinates(pack(State(*(data[n].values for n in (
+    x = coordinates(pack(pf.State(*(data[n].values for n in (
         "position", "rotation", "twist", "elastic", "elastic_rate"))), Layout(N)), Layout(N))  # fmt: skip
     terms = platform_terms(body, x.twist[:, 3:], x.elastic, x.elastic_rate, np.zeros(3))
     h = mv(terms.A_rr, x.twist) + mv(terms.A_re, x.elastic_rate)
