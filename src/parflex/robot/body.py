@@ -15,9 +15,9 @@ from parflex.base.array import Array, outer, without_roundoff
 from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
 from parflex.robot.attachments import attachment_nodes
-from parflex.robot.modal import modal_diagonals, modal_masses, natural_frequencies
+from parflex.robot.modal import modal_diagonals, modal_mass, modal_masses, natural_frequencies
 from parflex.robot.modes import Modes
-from parflex.robot.moments import Moments, shifted, with_point
+from parflex.robot.moments import Moments, lumped_moments, shifted, with_point
 from parflex.robot.words import counted, modal
 
 
@@ -72,20 +72,9 @@ class FlexibleBody:
             worst = int(np.argmin(dm))
             raise InputError(f"masses[{worst}] is {dm[worst]}; masses must be ≥ 0, their sum > 0")
         Phi = exactly("shapes", shapes, (None, len(r), 3))
-        rotations = None
-        if rotation_shapes is not None:
-            rotations = exactly("rotation_shapes", rotation_shapes, Phi.shape)
-        weighted = Phi * dm[:, None]
-        moments = Moments(
-            m=float(np.sum(dm)),
-            MS0=dm @ r,
-            P0=np.einsum("k,ka,kb->ab", dm, r, r),
-            S=np.sum(weighted, axis=1).T,
-            P1=np.einsum("nka,kb->nab", weighted, r),
-            P2=np.einsum("nka,jkb->njab", weighted, Phi, optimize=True),
-        )
-        modal_mass = np.trace(moments.P2, axis1=-2, axis2=-1)
-        error = np.max(np.abs(modal_mass - np.eye(len(Phi))), initial=0.0)
+        turned = None if rotation_shapes is None else exactly("rotation_shapes", rotation_shapes, Phi.shape)
+        moments = lumped_moments(r, dm, Phi)
+        error = np.max(np.abs(modal_mass(moments) - np.eye(len(Phi))), initial=0.0)
         if error > 1e-3:
             raise InputError(
                 f"shapes: ΦᵀMΦ differs from 1 by {error:.2e}; normalise the modes to unit modal "
@@ -93,8 +82,7 @@ class FlexibleBody:
             )
         omega = natural_frequencies("frequencies", frequencies, len(Phi))
         stiffness, damping = modal_diagonals(moments, omega, damping_ratio)
-        held = attachment_nodes(r, attachments)
-        return FlexibleBody(moments, r, Phi, rotations, stiffness, damping, held)
+        return FlexibleBody(moments, r, Phi, turned, stiffness, damping, attachment_nodes(r, attachments))
 
     @staticmethod
     def from_modes(
@@ -196,8 +184,7 @@ class FlexibleBody:
     @cached_property
     def m_ee(self) -> Array:
         """Modal mass tr P2 (N, N), exactly 1 where the modes are normalised to round-off."""
-        modal = np.trace(self.moments.P2, axis1=-2, axis2=-1)
-        one = np.eye(self.modes)
+        modal, one = modal_mass(self.moments), np.eye(self.modes)
         return np.where(np.abs(modal - one) < 1e-12, one, modal)  # Eq. 34
 
     @cached_property

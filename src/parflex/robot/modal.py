@@ -19,9 +19,14 @@ def modal_diagonals(moments: Moments, omega: Array, damping_ratio: ArrayLike) ->
     return diagonals(modal_masses(moments), omega, zeta)
 
 
+def modal_mass(moments: Moments) -> Array:
+    """m_ee (N, N), the traces of P2."""
+    return np.trace(moments.P2, axis1=-2, axis2=-1)
+
+
 def modal_masses(moments: Moments) -> Array:
-    """m_kk (N,), the diagonal of tr P2."""
-    return np.diagonal(np.trace(moments.P2, axis1=-2, axis2=-1))
+    """m_kk (N,), the diagonal of m_ee."""
+    return np.diagonal(modal_mass(moments))
 
 
 def diagonals(m_kk: Array, omega: Array, zeta: Array) -> tuple[Array, Array]:

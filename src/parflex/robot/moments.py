@@ -26,6 +26,19 @@ class Moments(NamedTuple):
         return f"Moments: {self.m:.4g} kg, {counted(len(self.P1), 'mode')}"
 
 
+def lumped_moments(r: Array, dm: Array, Phi: Array) -> Moments:
+    """The integrals of lumped masses dm (K,) at r (K, 3) with shapes Φ (N, K, 3)."""
+    weighted = Phi * dm[:, None]
+    return Moments(
+        m=float(np.sum(dm)),
+        MS0=dm @ r,
+        P0=np.einsum("k,ka,kb->ab", dm, r, r),
+        S=np.sum(weighted, axis=1).T,
+        P1=np.einsum("nka,kb->nab", weighted, r),
+        P2=np.einsum("nka,jkb->njab", weighted, Phi, optimize=True),
+    )
+
+
 def shifted(old: Moments, o: Array) -> Moments:
     """The integrals about the point o: r becomes r − o."""
     cross_term = np.outer(old.MS0, o)

@@ -5,7 +5,8 @@ import numpy as np
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.check_report import ReportRows, rigid_rows
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.integrals import modal_mass, rigid_momentum, rigid_part
+from parflex.fe.body.integrals import rigid_momentum, rigid_part
+from parflex.robot.modal import modal_mass
 from parflex.robot.modes import Modes
 from parflex.robot.moments import shifted
 

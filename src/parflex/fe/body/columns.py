@@ -6,8 +6,9 @@ from parflex.base.array import Array
 from parflex.fe.body.accuracy import DEPENDENT
 from parflex.fe.body.canonical import canonical
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.integrals import modal_mass, rigid_momentum
+from parflex.fe.body.integrals import rigid_momentum
 from parflex.fe.body.joints import Holding
+from parflex.robot.modal import modal_mass
 from parflex.robot.moments import shifted
 
 

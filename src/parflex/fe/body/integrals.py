@@ -72,8 +72,3 @@ def rigid_momentum(moments: Moments) -> Array:
     P1 = moments.P1
     beta = [P1[:, 2, 1] - P1[:, 1, 2], P1[:, 0, 2] - P1[:, 2, 0], P1[:, 1, 0] - P1[:, 0, 1]]
     return np.concatenate([moments.S, beta])
-
-
-def modal_mass(moments: Moments) -> Array:
-    """ΦᵀMΦ = tr P2, (N, N)."""
-    return np.trace(moments.P2, axis1=-2, axis2=-1)

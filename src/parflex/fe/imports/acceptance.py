@@ -15,7 +15,7 @@ from parflex.base.errors import InputError
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.canonical import clusters
 from parflex.fe.body.check_report import CheckReport
-from parflex.fe.body.integrals import RigidBody, modal_mass, nodal_moments, rigid_fields, rigid_momentum
+from parflex.fe.body.integrals import RigidBody, nodal_moments, rigid_fields, rigid_momentum
 from parflex.fe.imports.free_checks import (
     RIGID_SHARE,
     Momenta,
@@ -31,6 +31,7 @@ from parflex.fe.imports.free_checks import (
     turns_missing,
 )
 from parflex.fe.imports.imported import ImportedModes, inner, rigid_body_of
+from parflex.robot.modal import modal_mass
 
 MIXED = 0.1  # deviation from orthogonality that two mass matrices of one model explain
 HEAVIER = 0.3  # and of modal masses, of high modes on a coarse mesh
