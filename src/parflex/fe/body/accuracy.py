@@ -8,7 +8,6 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh, null_space, pinvh
-from scipy.sparse.linalg import LinearOperator, eigsh
 
 from parflex.base.array import Array
 from parflex.base.check import positive
@@ -91,14 +90,9 @@ def pinned_values(body: FreeBody, C: Array, count: int) -> Array:
         u = body.factor(load)
         return u - BC @ (across @ (C.T @ u))
 
-    n = body.unknowns
-    inverse = LinearOperator((n, n), matvec=pinned, dtype=float)
-    start = pinned(np.random.default_rng(0).standard_normal(n))
+    start = pinned(np.random.default_rng(0).standard_normal(body.unknowns))
     with waiting(f"computing {count} modes of the pinned body"):
-        values = eigsh(
-            body.stiffness, count, body.mass, sigma=-body.shift, OPinv=inverse, v0=start,
-            return_eigenvectors=False,
-        )  # fmt: skip
+        values = body.lowest(count, pinned, start, return_eigenvectors=False)
     return np.sqrt(np.maximum(np.sort(values), 0.0))
 
 

@@ -174,9 +174,9 @@ def converged(modes: Modes, tolerance: float = 0.01, up_to: float | None = None)
     is that good.
     """
     body, held, _, basis = reduction_of(modes)
-    n, attachment, negligible = smallest(body, held, tolerance, up_to)
-    kind = FreeFreeWithAttachment if attachment else FreeFree
-    return kind(n, basis.points, basis.tool, basis.radius, negligible).modes(body)
+    choice = smallest(body, held, tolerance, up_to)
+    kind = FreeFreeWithAttachment if choice.attachment else FreeFree
+    return kind(choice.n, basis.points, basis.tool, basis.radius, choice.negligible).modes(body)
 
 
 def change(frequencies: Array, coarse: Array) -> Array:

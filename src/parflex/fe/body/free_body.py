@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from hashlib import sha256
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
@@ -169,12 +170,13 @@ class FreeBody:
         return values[:count], vectors[:, :count]
 
     def _eigenpairs(self, count: int) -> list[Array]:
-        n = self.unknowns
-        inverse = LinearOperator((n, n), matvec=self.factor, dtype=float)
-        start = np.random.default_rng(0).standard_normal(n)
-        with waiting(f"computing {count} modes of {n} unknowns"):
-            values, vectors = eigsh(
-                self.stiffness, count, self.mass, sigma=-self.shift, OPinv=inverse, v0=start, tol=1e-14
-            )
+        start = np.random.default_rng(0).standard_normal(self.unknowns)
+        with waiting(f"computing {count} modes of {self.unknowns} unknowns"):
+            values, vectors = self.lowest(count, self.factor, start, tol=1e-14)
         order = np.argsort(values)
         return [values[order], vectors[:, order]]
+
+    def lowest(self, count: int, inverse: Callable[[Array], Array], start: Array, **options: Any) -> Any:
+        """The lowest eigenpairs of K, M, of which `inverse` applies (K + shift M)⁻¹; as SciPy's `eigsh`."""
+        applied = LinearOperator((len(start), len(start)), matvec=inverse, dtype=float)
+        return eigsh(self.stiffness, count, self.mass, sigma=-self.shift, OPinv=applied, v0=start, **options)
