@@ -4,6 +4,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+import numpy as np
+
+from parflex.base.array import Array
 from parflex.base.errors import InputError
 
 BEYOND = 1e30  # what no coordinate, displacement, mass or ω² reaches, in any unit
@@ -28,6 +31,18 @@ def read(kind: str, path: Path) -> bytes:
 def lines_of(kind: str, path: Path) -> list[str]:
     """The lines of a text file, one at least."""
     return read(kind, path).decode("latin-1").splitlines() or [""]
+
+
+def rows_of(ids: Array, wanted: Array, sentence: str) -> Array:
+    """The rows, from 0, that nodes by number (of any shape) have among ids (K,).
+
+    Raises InputError for one that is not there; "{}" in the sentence stands for its number.
+    """
+    missing = wanted[~np.isin(wanted, ids)]
+    if len(missing):
+        raise InputError(sentence.replace("{}", f"{missing[0]:.0f}"))
+    order = np.argsort(ids)
+    return order[np.searchsorted(ids, wanted, sorter=order)]
 
 
 @contextmanager

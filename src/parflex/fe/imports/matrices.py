@@ -15,7 +15,7 @@ from parflex.fe.body.check_report import MatrixReport
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse, rigid_part
 from parflex.fe.body.nodal import BELOW, body_of_matrices
-from parflex.fe.imports.foreign import lines_of, read, refusing
+from parflex.fe.imports.foreign import lines_of, read, refusing, rows_of
 from parflex.fe.imports.free_checks import check_size
 from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.unit_systems import Units, units_named
@@ -163,13 +163,8 @@ def table_of_lines(name: str, path: Path, lines: list[str], columns: int) -> Arr
 
 def node_directions(table: Array, ids: Array) -> Array:
     """Node and direction (n, 2) from 0, of ids and directions from 1."""
-    order = np.argsort(ids)
-    at = np.searchsorted(ids, table[:, 0], sorter=order)
-    node = order[np.minimum(at, len(ids) - 1)]
-    wrong = np.flatnonzero(ids[node] != table[:, 0])
-    if len(wrong):
-        raise InputError(f"unknowns has node {table[wrong[0], 0]:.0f}, which the table of nodes has not")
-    return np.column_stack([node, table[:, 1].astype(int) - 1])
+    rows = rows_of(ids, table[:, 0], "unknowns has node {}, which the table of nodes has not")
+    return np.column_stack([rows, table[:, 1].astype(int) - 1])
 
 
 IMPORTER = Importer("matrices", read_matrices, ("stiffness", "mass", "nodes"), ("unknowns",))

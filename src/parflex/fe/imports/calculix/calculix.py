@@ -14,6 +14,7 @@ from parflex.fe.body.surface import surface
 from parflex.fe.imports.acceptance import accepted
 from parflex.fe.imports.calculix.deck import Deck, DeckMaterial, read_deck
 from parflex.fe.imports.calculix.frd import FrdModes, read_frd
+from parflex.fe.imports.foreign import rows_of
 from parflex.fe.imports.imported import ImportedModes, cosines
 from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.unit_systems import Units, check_material, units_named
@@ -24,6 +25,7 @@ REDUCED = FULL | {"hex8": 0, "hex20": 3}
 RULES = {"full integration": FULL, "reduced integration": REDUCED}
 
 SIX_DIGITS = 1e-5  # error that the numbers of an frd file leave in ΦᵀMΦ, with room to spare
+UNKNOWN = "an element has node {}, which is not there; the files are damaged"
 SAME_PLACE = 1e-5  # of the size: a node in the deck and in the results
 
 
@@ -51,13 +53,16 @@ def read_calculix(
 def on_mesh(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedModes:
     """The modes on the mesh, in SI units."""
     nodes = units.length * exact_places(modes.ids, modes.nodes, deck)
-    number = {int(node): k for k, node in enumerate(modes.ids)}
     grouped: dict[tuple[str, int], list[tuple[int, ...]]] = {}
     for kind, material, corners in modes.elements:
         grouped.setdefault((kind, material), []).append(corners)
     parts = [
-        Elements(kind, numbered(rows, number), np.full(len(rows), density_of(modes, deck, material, units)))
-        for (kind, material), rows in grouped.items()
+        Elements(
+            kind,
+            rows_of(modes.ids, np.array(corners), UNKNOWN),
+            np.full(len(corners), density_of(modes, deck, material, units)),
+        )
+        for (kind, material), corners in grouped.items()
     ]
     shapes = units.length * modes.shapes
     masses = {kind: mass_matrix(nodes, parts, degrees=rule) for kind, rule in RULES.items()}
@@ -78,22 +83,13 @@ def on_mesh(name: str, modes: FrdModes, deck: Deck, units: Units) -> ImportedMod
     )
 
 
-def numbered(rows: list[tuple[int, ...]], number: dict[int, int]) -> Array:
-    """The node numbers from 0 of nodes by id; raises InputError for one that is not there."""
-    try:
-        return np.array([[number[node] for node in row] for row in rows])
-    except KeyError as error:
-        raise InputError(f"an element has node {error}, which is not there; the files are damaged") from None
-
-
 def exact_places(ids: Array, places: Array, deck: Deck) -> Array:
     """The coordinates of the deck where it has the node, which the results agree with to six digits."""
-    row = {int(node): k for k, node in enumerate(deck.ids)}
-    known = np.array([int(node) in row for node in ids])
+    known = np.isin(ids, deck.ids)
     if not np.any(known) and deck.elements:  # of shells CalculiX makes solids with nodes of its own
         raise InputError("inp has none of the nodes of frd; give the files of one model")
     exact = places.copy()
-    exact[known] = deck.nodes[[row[int(node)] for node in ids[known]]]
+    exact[known] = deck.nodes[rows_of(deck.ids, ids[known], UNKNOWN)]
     apart = np.max(np.abs(exact - places), axis=1)
     if not np.max(apart) <= SAME_PLACE * np.max(np.abs(places)) < np.inf:
         worst = int(np.argmax(apart))

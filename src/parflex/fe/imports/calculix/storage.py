@@ -6,14 +6,13 @@ from pathlib import Path
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.errors import InputError
 from parflex.base.progress import waiting
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse
 from parflex.fe.body.surface import surface
-from parflex.fe.imports.calculix.calculix import numbered
-from parflex.fe.imports.calculix.deck import Deck, read_deck
-from parflex.fe.imports.foreign import lines_of, refusing
+from parflex.fe.imports.calculix.calculix import UNKNOWN
+from parflex.fe.imports.calculix.deck import read_deck
+from parflex.fe.imports.foreign import lines_of, refusing, rows_of
 from parflex.fe.imports.importer import Importer
 from parflex.fe.imports.matrices import free_body, matrix_of_entries
 from parflex.fe.imports.unit_systems import check_material, units_named
@@ -37,27 +36,18 @@ def calculix_body(matrices: str | PathLike[str], inp: str | PathLike[str], units
         unknowns = degrees(job.with_suffix(".dof"))
         K, M = (triangle(job.with_suffix(suffix), len(unknowns)) for suffix in (".sti", ".mas"))
         ids = np.unique(unknowns[:, 0])
-        number = {int(node): k for k, node in enumerate(ids)}
-        parts = [(kind, numbered(rows.tolist(), number)) for kind, rows in deck.elements.items()]
+        missing = f"{job.stem}.dof has node {{}}, which inp has not; give the files of one model"
+        parts = [(kind, rows_of(ids, nodes, UNKNOWN)) for kind, nodes in deck.elements.items()]
         return free_body(
             ids=ids,
-            nodes=deck_places(job.stem, ids, deck),
+            nodes=deck.nodes[rows_of(deck.ids, ids, missing)],
             stiffness=K,
             mass=M,
-            unknowns=np.column_stack([numbered(unknowns[:, :1].tolist(), number), unknowns[:, 1] - 1]),
+            unknowns=np.column_stack([np.searchsorted(ids, unknowns[:, 0]), unknowns[:, 1] - 1]),
             triangles=surface(parts),
             source=f"CalculiX, {job.stem}.sti, .mas, {units}",
             units=system,
         )
-
-
-def deck_places(name: str, ids: Array, deck: Deck) -> Array:
-    """The coordinates (K, 3) of nodes by id, in the deck's unit."""
-    row = {int(node): k for k, node in enumerate(deck.ids)}
-    missing = [node for node in ids.tolist() if node not in row]
-    if missing:
-        raise InputError(f"{name}.dof has node {missing[0]}, which inp has not; give the files of one model")
-    return deck.nodes[[row[node] for node in ids.tolist()]]
 
 
 def degrees(path: Path) -> Array:

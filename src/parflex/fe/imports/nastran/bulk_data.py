@@ -57,7 +57,7 @@ def read_bulk(path: Path, units: Units) -> BulkModel:
     check_whole(bulk)
     ids, nodes, to_basic = grids(bulk, path)
     number = {int(grid): k for k, grid in enumerate(ids)}
-    parts = list(elements(bulk, number))
+    parts = list(elements(bulk, ids))
     kinds = ["lumped", "consistent"]
     if bulk.parameter("COUPMASS", -1) > 0:
         kinds.reverse()

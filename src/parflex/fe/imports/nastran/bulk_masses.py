@@ -8,6 +8,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.fe.body.elements import ELEMENTS, Elements
+from parflex.fe.imports.foreign import rows_of
 from parflex.fe.imports.nastran.bulk_cards import Bulk, Card
 from parflex.fe.imports.unit_systems import check_material
 
@@ -29,7 +30,7 @@ DENSITY_FIELD = {"MAT1": 4, "MAT2": 7, "MAT8": 7, "MAT9": 22}
 SECTIONS = {"PROD": (1, 2, 5), "PBAR": (1, 2, 6), "CONROD": (3, 4, 7)}  # material, area, non-structural mass
 
 
-def elements(bulk: Bulk, number: dict[int, int]) -> Iterator[Elements]:
+def elements(bulk: Bulk, ids: Array) -> Iterator[Elements]:
     """The elements that weigh, by kind, with their density per measure in SI."""
     properties = bulk.by_id("PSHELL", "PCOMP", "PSOLID", "PROD", "PBAR")
     materials = bulk.by_id(*DENSITY_FIELD)
@@ -54,12 +55,8 @@ def elements(bulk: Bulk, number: dict[int, int]) -> Iterator[Elements]:
                 )
             found.setdefault(kind, []).append((nodes, told[1]))
         for kind, rows in found.items():
-            try:
-                table = np.array([[number[node] for node in nodes] for nodes, _ in rows])
-            except KeyError as error:
-                raise InputError(
-                    f"bulk {bulk.name} has a {name} on grid {error}, which is not there"
-                ) from None
+            missing = f"bulk {bulk.name} has a {name} on grid {{}}, which is not there"
+            table = rows_of(ids, np.array([nodes for nodes, _ in rows]), missing)
             size = bulk.units.mass / bulk.units.length ** len(ELEMENTS[kind].points[0])
             yield Elements(kind, table, size * np.array([rho for _, rho in rows]))
 
