@@ -49,7 +49,7 @@ def view(
         from parflex.views.viewer import view as page
 
         with waiting("writing the page"):
-            written = page(result, curves, modes).save(export)
+            written = page(result, curves=curves, modes=modes).save(export)
         size = written.stat().st_size / 1e6
         console.print(
             f"wrote [bold]{escape(str(written))}[/] ({size:.1f} MB); open it in any browser, offline too"

@@ -71,7 +71,8 @@ def write_modes(
     Raises InputError as that does, and where the file cannot be written.
     """
     of_type("modes", modes, Modes)
-    save_body(FlexibleBody.from_modes(modes, attachments, origin, damping_ratio), Path(path), modes)
+    body = FlexibleBody.from_modes(modes, attachments, origin, damping_ratio=damping_ratio)
+    save_body(body, Path(path), modes)
     return Path(path)
 
 

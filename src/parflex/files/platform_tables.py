@@ -26,9 +26,9 @@ def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
     if table.modes is None:
         options = {} if table.refine is None else {"refine": table.refine}
         found = modes(plate_body(table.corners, *section, **options), points)
-        return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
+        return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
     found = plate_modes(table.corners, *section, table.modes, table.refine)
-    return FlexibleBody.from_modes(found, points, table.origin, table.damping_ratio)
+    return FlexibleBody.from_modes(found, points, origin=table.origin, damping_ratio=table.damping_ratio)
 
 
 def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
@@ -39,7 +39,7 @@ def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
     body = solid_body(mesh, Material(table.young, table.poisson, table.density))
     places = (table.attachments, table.tool, table.radius)
     found = modes(body, *places, n=table.modes)
-    return FlexibleBody.from_modes(found, None, table.origin, table.damping_ratio)
+    return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
 
 
 def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:
@@ -49,7 +49,7 @@ def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:
     files = {name: folder / path for name, path in table.files.items()}
     places = (table.ids, table.points, table.radius)
     modes = import_modes(table.program, files, table.units, table.modes, *places)
-    return FlexibleBody.from_modes(modes, None, table.origin, table.damping_ratio)
+    return FlexibleBody.from_modes(modes, origin=table.origin, damping_ratio=table.damping_ratio)
 
 
 def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:

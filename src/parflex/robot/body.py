@@ -89,6 +89,7 @@ class FlexibleBody:
         modes: Modes,
         attachments: Sequence[int] | ArrayLike | None = None,
         origin: ArrayLike | None = None,
+        *,
         damping_ratio: ArrayLike = 0.0,
     ) -> "FlexibleBody":
         """A body from computed modes, with the FE model's own (consistent) integrals.

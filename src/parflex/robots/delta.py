@@ -50,7 +50,7 @@ def leg(number: int) -> Leg:
     return Leg(rotation, origin, JOINTS, tips, posture=(0.3, 1.8, 0.0, 1.8, 0.0))
 
 
-def delta(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+def delta(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
     """A Delta robot; it moves in x, y and z and does not turn.
 
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your

@@ -146,6 +146,7 @@ def held(modes: Modes, damping_ratio: float = DAMPING_RATIO) -> FlexibleBody:
 
 def gough_stewart(
     modes: int = 10,
+    *,
     platform: FlexibleBody | None = None,
     frequencies: str = "converged",
     damping_ratio: float = DAMPING_RATIO,

@@ -42,7 +42,7 @@ def leg(number: int) -> Leg:
     return Leg(rotation, origin, JOINTS, (Tip(3, attachment=number),))
 
 
-def octapod(modes: int = 10, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+def octapod(modes: int = 10, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
     """A hexapod with eight legs: six freedoms, eight actuators, redundant actuation.
 
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your

@@ -40,7 +40,7 @@ def leg(number: int) -> Leg:
     return Leg(rotation, origin, JOINTS, (Tip(2, (ROD, 0, 0), number),), posture=(0.3, -1.0))
 
 
-def prs3(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+def prs3(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
     """A platform on three carriages; it rises, rolls and pitches, and drifts a little as it does.
 
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your

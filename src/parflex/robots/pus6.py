@@ -47,7 +47,7 @@ def leg(number: int) -> Leg:
     return Leg(rotation, (-END * side, RAILS[number], 0.0), JOINTS, (tip,), posture=(0.2, np.pi / 2, 0.8))
 
 
-def pus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+def pus6(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
     """A hexapod with six linear motors; six freedoms.
 
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your

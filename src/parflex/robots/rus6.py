@@ -49,7 +49,7 @@ def leg(number: int) -> Leg:
     return Leg(rotation, origin, JOINTS, (Tip(3, (ROD, 0, 0), number),), posture)
 
 
-def rus6(modes: int = 9, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
+def rus6(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:
     """A hexapod with six rotary motors; six freedoms.
 
     modes is the number of elastic modes of the steel plate, 0 for a rigid one. A platform of your

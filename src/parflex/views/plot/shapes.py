@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from parflex.fe import Fields
 
 
-def mode_shapes(modes: Modes, columns: int = 4) -> Figure:
+def mode_shapes(modes: Modes, *, columns: int = 4) -> Figure:
     """A platform's modes, each scaled to its largest value: of a flat one the deflection, of a solid its
     bent surface."""
     flat = np.ptp(modes.nodes[:, 2]) == 0
@@ -103,7 +103,7 @@ def stress(modes: Modes, fields: "Fields", title: str = "") -> Figure:
     return fig
 
 
-def shapes_of(result: Result, columns: int = 5) -> Figure:
+def shapes_of(result: Result, *, columns: int = 5) -> Figure:
     """Deflection of a flat platform's modes as its result has them, each scaled to its largest value."""
     data = result.dataset
     mesh = Triangulation(*data["platform_node"].values[:, :2].T, data["platform_triangle"].values)

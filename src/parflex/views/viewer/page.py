@@ -50,6 +50,7 @@ class View:
 
 def view(
     result: Result | str | os.PathLike[str],
+    *,
     curves: bool = True,
     modes: str | os.PathLike[str] | None = None,
 ) -> View:
