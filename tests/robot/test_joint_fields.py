@@ -1,5 +1,6 @@
 """The one table of a joint's fields: a field that is added to it reaches all that read it."""
 
+import pickle
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -70,6 +71,12 @@ def test_it_is_a_table_of_the_chain():
     assert "bearing" not in chain.tables
     with pytest.raises(AttributeError, match="no table 'k4'"):
         _ = chain.k4
+
+
+def test_a_chain_goes_to_another_process():
+    chain = chain_of(robot().legs[0])
+    sent = pickle.loads(pickle.dumps(chain))
+    assert all(np.array_equal(sent.tables[name], table) for name, table in chain.tables.items())
 
 
 def test_it_is_a_parameter():

@@ -1,7 +1,9 @@
 """Checks at the door: what came, what was expected, what to do."""
 
 import math
+import operator
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -27,9 +29,10 @@ def unsymmetric(matrix: Array) -> Any:
     return np.abs(matrix - transpose(matrix)) > 1e-12 * size
 
 
-NOT_NEGATIVE = Rule(lambda value: value < 0, "it cannot be negative")
-POSITIVE = Rule(lambda value: value <= 0, "it must be positive")
-FLAG = Rule(lambda value: value > 1, "it must be 0 or 1")
+# of named functions, so that what holds a rule can be sent to another process
+NOT_NEGATIVE = Rule(partial(operator.gt, 0), "it cannot be negative")
+POSITIVE = Rule(partial(operator.ge, 0), "it must be positive")
+FLAG = Rule(partial(operator.lt, 1), "it must be 0 or 1")
 SYMMETRIC = Rule(unsymmetric, "it must be symmetric, with products of inertia as matrix entries")
 
 
