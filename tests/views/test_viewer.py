@@ -9,7 +9,7 @@ import xarray as xr
 import parflex as pf
 import solid_plates
 from parflex.views.viewer.layout import KNOWN
-from parflex.views.viewer.opening import MISSED, NEEDED, judged
+from parflex.views.viewer.opening import ESSENTIAL, MISSED, judged
 from parflex.views.viewer.page import packed, page_of
 from parflex.views.viewer.parts import Legs, legs_of, parts_of, shares
 from parflex.views.viewer.scene import MOST_INSTANTS, scene_of
@@ -249,7 +249,7 @@ def test_spoilt_variables_are_told_and_the_rest_is_shown(run_of_paper, spoil):
     changed = set() if spoil is without_units else set(MISSED) & names
     changed -= {"leg_station"} if spoil is with_a_hole else set()
     assert changed <= told
-    assert blank == (set() if spoil in (without_units, with_a_hole) else set(NEEDED))
+    assert blank == (set() if spoil in (without_units, with_a_hole) else set(ESSENTIAL))
 
 
 def test_a_whole_run_has_nothing_to_tell(run_of_paper):

@@ -4,12 +4,12 @@ import numpy as np
 
 from parflex.robot.joint_words import actuator_names
 from parflex.simulation.variables.energy import LEDGER, RESIDUAL
-from parflex.simulation.variables.legs import LEGS
-from parflex.simulation.variables.motion import MOTION
-from parflex.simulation.variables.platform import PLATFORM
+from parflex.simulation.variables.legs import LEG_VARIABLES
+from parflex.simulation.variables.motion import MOTION_VARIABLES
+from parflex.simulation.variables.platform import PLATFORM_VARIABLES
 from parflex.simulation.variables.robot_text import ROBOT_FILE
 from parflex.simulation.variables.variable import Variable
-from parflex.simulation.variables.wanted import WANTED
+from parflex.simulation.variables.wanted import WANTED_VARIABLES
 
 COORDINATES = (  # they label what the others hold
     Variable("time", ("time",), "s", "time", lambda run: run.t, missed="the instants"),
@@ -22,4 +22,12 @@ COORDINATES = (  # they label what the others hold
         text=True,
     ),
 )
-ALL_VARIABLES = (*MOTION, *LEGS, *PLATFORM, *LEDGER, RESIDUAL, *WANTED, ROBOT_FILE)
+ALL_VARIABLES = (
+    *MOTION_VARIABLES,
+    *LEG_VARIABLES,
+    *PLATFORM_VARIABLES,
+    *LEDGER,
+    RESIDUAL,
+    *WANTED_VARIABLES,
+    ROBOT_FILE,
+)

@@ -21,12 +21,12 @@ def stations(run: Recorded) -> Array:
     return np.array(run.paths.stations, dtype=str).reshape(run.paths.points.shape[-3:-1])
 
 
-def numbered(values: Sequence[int]) -> Array:
+def numbers_from_one(values: Sequence[int]) -> Array:
     """Numbers from 0 as numbers from 1."""
     return np.array(values, dtype=int) + 1
 
 
-LEGS = (
+LEG_VARIABLES = (
     Variable(
         "joint",
         ("time", "leg", "joint_number"),
@@ -72,7 +72,7 @@ LEGS = (
         ("path",),
         "1",
         "leg of the path",
-        lambda run: numbered(run.paths.legs),
+        lambda run: numbers_from_one(run.paths.legs),
         missed="whose the legs' points are",
         pictured=True,
         numbers=("leg", 1),
@@ -82,7 +82,7 @@ LEGS = (
         ("path",),
         "1",
         "attachment where the path ends",
-        lambda run: numbered(run.paths.attachments),
+        lambda run: numbers_from_one(run.paths.attachments),
         missed="what the legs hold",
         pictured=True,
         numbers=("attachment", 1),

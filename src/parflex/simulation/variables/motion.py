@@ -7,7 +7,7 @@ from parflex.simulation.variables.variable import Variable
 TWIST_UNITS = "m s-1, rad s-1"
 ACCELERATION_UNITS = "m s-2, rad s-2"
 
-MOTION = (
+MOTION_VARIABLES = (
     Variable(
         "position",
         ("time", "axis"),

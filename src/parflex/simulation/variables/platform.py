@@ -42,7 +42,7 @@ def origin_deformation(run: Recorded) -> Array | None:
     return run.state.elastic @ np.concatenate([body.shapes[:, node], rotations[:, node]], axis=-1)
 
 
-PLATFORM = (
+PLATFORM_VARIABLES = (
     Variable(
         "attachment_position",
         ("time", "attachment", "axis"),

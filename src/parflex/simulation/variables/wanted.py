@@ -42,7 +42,7 @@ def pose_error(run: Recorded, wanted: Sample) -> Array:
     return np.concatenate([place, Rotation.from_matrix(wanted_turn(run, wanted)).as_rotvec()], axis=-1)
 
 
-WANTED = (
+WANTED_VARIABLES = (
     Variable(
         "desired_position",
         ("time", "axis"),

@@ -30,28 +30,28 @@ def checks_of(data: xr.Dataset) -> list[Check]:
     return [check(data) for check, needed in ALL_CHECKS.items() if all(name in data for name in needed)]
 
 
-def finite(data: xr.Dataset) -> Check:
+def all_finite(data: xr.Dataset) -> Check:
     """The state has no hole."""
     state = [name for name in ("position", "rotation", "twist", "elastic", "elastic_rate") if name in data]
     holes = sum(int(np.sum(~np.isfinite(data[name].values))) for name in state)
     return Check("numbers that are not finite", "in position, rotation, twist, elastic coordinates", holes, 0)
 
 
-def balance(data: xr.Dataset) -> Check:
+def balanced(data: xr.Dataset) -> Check:
     """Energies and works, integrated beside the motion, add up."""
     [fact] = summary.balance(data)
     how = "stored energy + dissipation − work of actuators and wrenches, over the largest change of a term"
     return Check("energy balance", how, fact.value, 1e-6)
 
 
-def orthonormal(data: xr.Dataset) -> Check:
-    """Rotations are orthonormal: RᵀR = 1."""
+def rotations_orthonormal(data: xr.Dataset) -> Check:
+    """Rotations are rotations_orthonormal: RᵀR = 1."""
     R = data["rotation"].values
     found = float(np.max(np.abs(np.swapaxes(R, -1, -2) @ R - np.eye(3))))
     return Check("rotation matrices", "largest entry of RᵀR − 1", found, 1e-9)
 
 
-def closed(data: xr.Dataset) -> Check:
+def legs_closed(data: xr.Dataset) -> Check:
     """The legs, by their joints, end where the platform, by its pose and its bending, is held."""
     ends = data["leg_path"].values[:, :, -1]
     held = data["attachment_position"].values[:, data["path_attachment"].values - 1]
@@ -84,10 +84,10 @@ def size(data: xr.Dataset) -> float:
 
 
 ALL_CHECKS: dict[Callable[[xr.Dataset], Check], tuple[str, ...]] = {
-    finite: ("position",),
-    orthonormal: ("rotation",),
-    closed: ("leg_path", "path_attachment", "attachment_position"),
+    all_finite: ("position",),
+    rotations_orthonormal: ("rotation",),
+    legs_closed: ("leg_path", "path_attachment", "attachment_position"),
     body_fixed: ("attachment_position", "attachment_deformation", "position", "rotation"),
-    balance: ("energy_residual",),
+    balanced: ("energy_residual",),
     bent_little: ("attachment_deformation", "attachment_position"),
 }

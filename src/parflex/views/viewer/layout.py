@@ -14,10 +14,10 @@ KNOWN = (*COORDINATES, *ALL_VARIABLES)
 
 def misfits(data: xr.Dataset, known: Sequence[Variable] = KNOWN) -> list[str]:
     """The variables of other dimensions than they should have, that hold no numbers, or point nowhere."""
-    return [each.name for each in known if each.name in data and not fits(data, each)]
+    return [each.name for each in known if each.name in data and not fits_table(data, each)]
 
 
-def fits(data: xr.Dataset, variable: Variable) -> bool:
+def fits_table(data: xr.Dataset, variable: Variable) -> bool:
     """True where a variable has its dimensions, three entries where it must, and numbers in its range."""
     values, dims = data[variable.name], variable.dims
     if values.dims != dims or any(data.sizes[dim] != 3 for dim in dims if dim in THREE):

@@ -12,7 +12,7 @@ from parflex.base.errors import InputError
 from parflex.simulation.result import FORMAT
 from parflex.views.viewer.layout import KNOWN, misfits
 
-NEEDED = ("position", "rotation")  # without these there is no robot to draw
+ESSENTIAL = ("position", "rotation")  # without these there is no robot to draw
 TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
 
 MISSED = {each.name: each.missed for each in KNOWN if each.missed}  # in words

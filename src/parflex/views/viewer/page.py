@@ -77,12 +77,12 @@ def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "",
         "title": result.dataset.attrs.get("robot") or name or "Parallel robot",
         "facts": facts_of(result, name),
         "notes": notes_of(result, scene),
-        "curves": figures_of(result) if curves else [],
+        "curves": curves_of(result) if curves else [],
         "speeds": SPEEDS,
         "meta": None,
     }
     if scene is None:
-        return assembled(EMPTY.replace("<head>", f"<head>{AGAIN}") if live else EMPTY, body, "")
+        return page_around(EMPTY.replace("<head>", f"<head>{AGAIN}") if live else EMPTY, body, "")
     snapshot, ids, parts = drawn(scene)
     layout, data = packed(scene.arrays)
     meta = scene.meta | {
@@ -97,10 +97,10 @@ def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "",
         "stamp": stamp,
     }
     code = f"(async (K3D) => {{\n{ours('viewer.js')}\n}})(K3DInstance).catch(window.parflexFailed);"
-    return assembled(snapshot.get_snapshot(additional_js_code=code), body | {"meta": meta}, data)
+    return page_around(snapshot.get_snapshot(additional_js_code=code), body | {"meta": meta}, data)
 
 
-def assembled(snapshot: str, body: dict[str, Any], data: str) -> str:
+def page_around(snapshot: str, body: dict[str, Any], data: str) -> str:
     """K3D's page with our head, and our body about its canvas."""
     page = Environment(autoescape=True, trim_blocks=True).from_string(ours("body.html")).render(body)
     title = html.escape(f"{body['title']} · parflex")
@@ -160,7 +160,7 @@ def notes_of(result: Opened, scene: Scene | None) -> list[str]:
     return notes
 
 
-def figures_of(result: Opened) -> list[dict[str, Any]]:
+def curves_of(result: Opened) -> list[dict[str, Any]]:
     """The figures of the run, with the places of their cursors in percent."""
     figures: list[dict[str, Any]] = []
     if not result.dataset.sizes.get("time"):

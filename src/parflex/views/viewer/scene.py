@@ -8,7 +8,7 @@ import xarray as xr
 from parflex.base.array import Array
 from parflex.views.sketch import SHOWN
 from parflex.views.viewer.colours import Colouring, colourings_of
-from parflex.views.viewer.opening import NEEDED, PER_INSTANT, Opened
+from parflex.views.viewer.opening import ESSENTIAL, PER_INSTANT, Opened
 from parflex.views.viewer.parts import Legs, Part, arrow, legs_of, parts_of, shares
 
 MOST_INSTANTS = 2000  # more than a screen has columns for the timeline
@@ -59,7 +59,7 @@ def scene_of(result: Opened) -> Scene | None:
 
 def finite_part(data: xr.Dataset) -> xr.Dataset | None:
     """The instants at which the platform is somewhere."""
-    if any(name not in data or not data[name].size for name in NEEDED):
+    if any(name not in data or not data[name].size for name in ESSENTIAL):
         return None
     good = np.ones(data.sizes["time"], dtype=bool)
     for name in PER_INSTANT:
