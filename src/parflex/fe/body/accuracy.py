@@ -41,8 +41,7 @@ class BasisError(NamedTuple):
 
     def within(self, tolerance: float) -> bool:
         """True where all errors are at most the tolerance."""
-        both = np.concatenate([self.compliance, self.pinned_error])
-        return bool(np.all(np.abs(both) <= tolerance))
+        return bool(np.all(np.abs([*self.compliance, *self.pinned_error]) <= tolerance))
 
 
 class Truth(NamedTuple):

@@ -44,8 +44,7 @@ def orthonormal(body: FreeBody, vectors: Array, held: tuple[Holding, ...]) -> Ar
     vectors = vectors / np.sqrt(np.sum(vectors * (body.mass @ vectors), axis=0))
     for _ in range(2):
         vectors = without_momentum(body, vectors)
-        lower = np.linalg.cholesky(modal_mass(body.moments(vectors)))
-        vectors = vectors @ np.linalg.inv(lower).T
+        vectors = vectors @ np.linalg.inv(np.linalg.cholesky(modal_mass(body.moments(vectors)))).T
     squares, turn = np.linalg.eigh(vectors.T @ (body.stiffness @ vectors))
     vectors = vectors @ turn
     deflection = np.vstack([*(place.displacement @ vectors for place in held), body.displacement @ vectors])

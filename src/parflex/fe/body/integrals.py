@@ -38,9 +38,8 @@ def rigid_part(moments: Moments) -> RigidBody:
 
 def rigid_fields(nodes: Array) -> Array:
     """Displacements (6, K, 3) of nodes (K, 3): unit translations along, then rotations about the axes."""
-    axes = np.eye(3)
-    along = np.broadcast_to(axes[:, None, :], (3, len(nodes), 3))
-    return np.concatenate([along, np.cross(axes[:, None, :], nodes[None, :, :])])
+    axes = np.eye(3)[:, None, :]
+    return np.concatenate([np.broadcast_to(axes, (3, len(nodes), 3)), np.cross(axes, nodes)])
 
 
 def by_node(rows: Array) -> Array:

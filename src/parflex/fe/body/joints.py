@@ -139,8 +139,7 @@ def mean_motion(r: Array, point: Array) -> tuple[Array, Array]:
     s = r - centre
     J = np.sum(s**2) * np.eye(3) - s.T @ s
     turn = np.linalg.pinv(J, rcond=1e-9) @ np.concatenate([skew(each) for each in s], axis=1)
-    mean = np.tile(np.eye(3) / len(r), len(r))
-    return mean - skew(point - centre) @ turn, turn
+    return np.tile(np.eye(3) / len(r), len(r)) - skew(point - centre) @ turn, turn
 
 
 def with_places(modes: AnyModes, groups: list[Array], centres: list[Array]) -> AnyModes:

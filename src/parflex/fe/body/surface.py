@@ -42,5 +42,5 @@ def cut_in_triangles(face: Array, corners: int) -> Array:
     if len(middles) == 0:
         return face[:, [(0, k, k + 1) for k in range(1, corners - 1)]].reshape(-1, 3)
     tips = [(middles[k - 1], k, middles[k]) for k in range(corners)]
-    inner = [(middles[0], middles[k], middles[k + 1]) for k in range(1, corners - 1)]
-    return face[:, [*tips, *inner]].reshape(-1, 3)
+    tips += [(middles[0], middles[k], middles[k + 1]) for k in range(1, corners - 1)]
+    return face[:, tips].reshape(-1, 3)

@@ -56,8 +56,7 @@ def accepted(read: ImportedModes) -> ComputedModes:
     check_rigid_modes(read, parts, rigid, fields)
     still = turns_missing(read, parts, rigid)
     elastic = np.flatnonzero(~rigid)[np.argsort(read.squares[~rigid], kind="stable")]
-    size = float(np.max(np.ptp(read.nodes, axis=0)))
-    check_size(size, body.mass, float(np.sqrt(read.squares[elastic[0]])))
+    check_size(read.nodes, body.mass, float(np.sqrt(read.squares[elastic[0]])))
     deviation = mode_deviations(read, parts, elastic)
     repaired = repair_note(read, deviation, elastic)
     modes = orthonormal_modes(read, parts, elastic, fields, bool(repaired))

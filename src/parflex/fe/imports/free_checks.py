@@ -198,8 +198,9 @@ def residual_stiffness(read: ImportedModes, rigid: Array) -> float:
     return float(np.max(np.abs(read.squares[rigid]), initial=0.0) / lowest)
 
 
-def check_size(size: float, mass: float, omega: float) -> None:
-    """Raise InputError where nothing has such a size (m), mass (kg) and first elastic frequency (rad/s)."""
+def check_size(nodes: Array, mass: float, omega: float) -> None:
+    """Raise InputError where nothing of that size (m), mass (kg) has that first elastic frequency (rad/s)."""
+    size = float(np.max(np.ptp(nodes, axis=0)))
     speeds = SLOWNESS[0] <= size * omega <= SLOWNESS[1]
     if not (speeds and BULK[0] * size**3 <= mass <= BULK[1] * size**3):
         raise InputError(

@@ -72,7 +72,7 @@ def free_body(
     body = body_of_matrices(units.length * nodes, K, M, unknowns, triangles, source=source)
     check_equilibrium(ids, body)
     report = matrix_report(body)
-    check_size(float(np.max(np.ptp(body.nodes, axis=0))), report.body.mass, report.first)
+    check_size(body.nodes, report.body.mass, report.first)
     return replace(body, report=report)
 
 

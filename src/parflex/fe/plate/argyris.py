@@ -15,8 +15,7 @@ KEPT, FINEST = 8, 3  # plates whose elements are kept, and how often halved at m
 def unknowns(corners: int, refine: int) -> int:
     """The number of Argyris unknowns of the fan: 6 per node and 1 per edge."""
     triangles = corners * 4**refine
-    boundary = corners * 2**refine
-    edges = (3 * triangles + boundary) // 2
+    edges = (3 * triangles + corners * 2**refine) // 2
     return 6 * (1 + edges - triangles) + edges
 
 

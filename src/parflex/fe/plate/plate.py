@@ -145,8 +145,7 @@ def coarse_frequencies(body: FreeBody, basis: Basis) -> Array:
     try:
         return basis.modes(body).frequencies
     except InputError:
-        count = max(body.unknowns - 8, 0)
-        return np.sqrt(body.free_modes(min(basis.n, count))[0])
+        return np.sqrt(body.free_modes(min(basis.n, max(body.unknowns - 8, 0)))[0])
 
 
 def rigid_unknowns(basis: Any, section: Section, mass: Any) -> Array:

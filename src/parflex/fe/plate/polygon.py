@@ -21,9 +21,8 @@ def convex_polygon(polygon: ArrayLike) -> Array:
             f"polygon is not convex at corner {worst}, {corners[worst]}; give the corners of a "
             f"convex outline in order, without points on straight edges, or mesh it as a solid"
         )
-    dots = np.sum(edges * np.roll(edges, -1, axis=0), axis=1)
-    angles = abs(np.sum(np.arctan2(turns, dots)))
-    if abs(angles - 2 * np.pi) > 1e-6:
+    angles = np.arctan2(turns, np.sum(edges * np.roll(edges, -1, axis=0), axis=1))
+    if abs(abs(np.sum(angles)) - 2 * np.pi) > 1e-6:
         raise InputError("polygon crosses itself; give the corners in order around the outline")
     return corners if turns[0] > 0 else np.roll(corners[::-1], 1, axis=0)
 
@@ -32,9 +31,8 @@ def simple_polygon(name: str, polygon: ArrayLike) -> Array:
     """The corners (n, 2), anticlockwise, of an outline that does not cross or touch itself."""
     corners, edges = corners_of(name, polygon)
     n = len(corners)
-    a, c = np.triu_indices(n, 2)
-    apart = (c + 1) % n != a
-    a, c = a[apart], c[apart]
+    pairs = np.stack(np.triu_indices(n, 2))
+    a, c = pairs[:, (pairs[1] + 1) % n != pairs[0]]
     from_a, from_c = corners[c] - corners[a], corners[a] - corners[c]
     one = crossed(edges[a], from_a) * crossed(edges[a], from_a + edges[c])
     other = crossed(edges[c], from_c) * crossed(edges[c], from_c + edges[a])

@@ -95,8 +95,7 @@ def upright(r: Array, cells: Array) -> tuple[Array, tuple[str, ...]]:
     """Elements of positive volume. Raises InputError where one has none."""
     corner = r[cells[:, :4]]
     volume = np.linalg.det(corner[:, 1:] - corner[:, :1]) / 6.0
-    longest = np.max(edge_lengths(r, cells), axis=1)
-    flat = np.flatnonzero(np.abs(volume) <= FLAT * longest**3)
+    flat = np.flatnonzero(np.abs(volume) <= FLAT * np.max(edge_lengths(r, cells), axis=1) ** 3)
     if len(flat):
         raise InputError(
             f"element {flat[0]} has no volume (corners {corner[flat[0]].tolist()}), and {len(flat) - 1} "
@@ -137,8 +136,7 @@ def one_piece(r: Array, cells: Array) -> None:
 
 def unfolded(r: Array, cells: Array) -> None:
     """Raise InputError where curved edges fold an element."""
-    at_nodes = TET10.at(TET10.points.T)[1]
-    worst = np.min(np.linalg.det(jacobians(r[cells], at_nodes)), axis=1)
+    worst = np.min(np.linalg.det(jacobians(r[cells], TET10.at(TET10.points.T)[1])), axis=1)
     if np.any(worst <= 0):
         raise InputError(
             f"element {int(np.argmin(worst))} is folded by its curved edges; mesh finer there, or with "
