@@ -8,6 +8,7 @@ import numpy as np
 from parflex.compiled.native import native
 from parflex.kernels import models as kernels
 from parflex.kernels.kernel import Kernel
+from parflex.mechanics.redundancy import solvable
 from parflex.robot.robot import Robot
 
 
@@ -31,6 +32,6 @@ class Rows(NamedTuple):
 
 def direct_rows(robot: Robot, lanes: int, count: int) -> Rows:
     """The direct model, `lanes` states per instruction, at states near home."""
-    kernel: Kernel = kernels.direct(robot)
-    arrays = [*kernel.probe(count), *(np.zeros((count, n)) for n in kernel.outputs)]
+    kernel: Kernel = kernels.direct(solvable(robot))
+    arrays = [*kernel.probe(count).values(), *(np.zeros((count, n)) for n in kernel.outputs.values())]
     return Rows(native.code(kernel, lanes), arrays, count)

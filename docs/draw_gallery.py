@@ -11,6 +11,7 @@ from PIL import Image
 import parflex as pf
 from parflex.compiled import vm
 from parflex.kernels import models as kernels
+from parflex.mechanics.redundancy import solvable
 from parflex.robots import ALL_ROBOTS, Entry
 from parflex.views import plot
 from parflex.views.sketch import sketch
@@ -47,7 +48,7 @@ def row(entry: Entry) -> str:
     """The line of the table."""
     robot = entry.build()
     found = pf.Model(robot, "numpy").mobility(robot.home)
-    cost = vm.trace(kernels.direct(robot)).n_instructions()
+    cost = vm.trace(kernels.direct(solvable(robot))).n_instructions()
     legs = f"{len(robot.legs)} × {robot.legs[0].word}"
     cells = (
         f"[{entry.name}](#{entry.build.__name__})", f"`{entry.build.__name__}`", legs, found.freedoms,

@@ -12,6 +12,7 @@ from parflex.compiled.native.loops import program
 from parflex.kernels import jacobians
 from parflex.kernels import models as kernels
 from parflex.mechanics.output import FrameOutput
+from parflex.model.core import core_of
 
 MODES = (0, 10, 40)
 
@@ -27,7 +28,7 @@ def ask() -> Section:
             ("direct", (kernels.direct,), (jacobians.direct_jacobian, ())),
             ("inverse", (kernels.inverse, out), (jacobians.inverse_jacobian, out, ())),
         ):
-            functions = [model.function(build, *chosen) for build, *chosen in (plain, derivative)]
+            functions = [core_of(model).functions(build, *chosen) for build, *chosen in (plain, derivative)]
             counts = [program(function.kernel).operations for function in functions]
             times = alternate({"model": bound(functions[0]), "jacobian": bound(functions[1])})
             one, all_of_it = times["model"].median, times["jacobian"].median
@@ -41,5 +42,5 @@ def ask() -> Section:
 
 def bound(function: Function) -> Callable[[], None]:
     """A call on arrays that stay."""
-    inputs = [np.ascontiguousarray(a[0]) for a in function.kernel.probe(1)]
-    return function.bind(inputs, [np.zeros(n) for n in function.kernel.outputs])
+    inputs = {name: np.ascontiguousarray(a[0]) for name, a in function.kernel.probe(1).items()}
+    return function.bind(inputs, {name: np.zeros(n) for name, n in function.kernel.outputs.items()})

@@ -19,6 +19,8 @@ from parflex.compiled.vm import VmBackend, VmFunction
 from parflex.kernels import models as kernels
 from parflex.kernels import motion
 from parflex.kernels.projection import projection
+from parflex.mechanics.redundancy import solvable
+from parflex.model.core import core_of
 
 SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
 SOLVED = 1e-12  # of the inverse model, whose systems are less well conditioned
@@ -32,7 +34,9 @@ def own_cache(tmp_path, monkeypatch):
 
 
 def alike(found, expected, tolerance):
-    for a, b in zip(found, expected, strict=True):
+    assert list(found) == list(expected)
+    for name, b in expected.items():
+        a = found[name]
         scale = np.max(np.abs(b), initial=1.0)
         assert relative(a / scale, b / scale) <= tolerance
 
@@ -42,17 +46,19 @@ def test_same_numbers_as_the_virtual_machine(model_of, modes):
     """One state and a batch of 67, whose last block overlaps; on all processors, too."""
     vm = model_of(modes, "vm")
     states, forces = random_states(vm.robot, 67, 1), random_forces(vm, 67, 2)
-    x, w = vm.flat(states), np.zeros(6 + modes)
-    build = [(kernels.direct, (x, forces, w), SAME), (motion.derivative, (x, forces, w), SAME)]
-    for kernel, inputs, tolerance in build:
-        code, expected = native.NativeFunction(kernel(vm.robot)), vm.function(kernel)(*inputs)
-        alike(code(*inputs), expected, tolerance)
-        alike(code(x[3], forces[3], w), [a[3] for a in expected], tolerance)
-        many = [np.tile(a, (20, 1)) if a.ndim == 2 else a for a in inputs]
-        alike(code(*many), [np.tile(a, (20, 1)) for a in expected], tolerance)
-    found = native.NativeFunction(kernels.inverse(vm.robot, pf.FrameOutput()))
-    given = (x, np.ones((67, 6)), w, np.zeros(6))
-    alike(found(*given), vm.function(kernels.inverse, pf.FrameOutput())(*given), SOLVED)
+    x, mechanism = core_of(vm).flat(states), solvable(vm.robot)
+    for build in (kernels.direct, motion.derivative):
+        code, expected = (
+            native.NativeFunction(build(mechanism)),
+            core_of(vm).functions(build)(x=x, forces=forces),
+        )
+        alike(code(x=x, forces=forces), expected, SAME)
+        alike(code(x=x[3], forces=forces[3]), {name: a[3] for name, a in expected.items()}, SAME)
+        many = code(x=np.tile(x, (20, 1)), forces=np.tile(forces, (20, 1)))
+        alike(many, {name: np.tile(a, (20, 1)) for name, a in expected.items()}, SAME)
+    found = native.NativeFunction(kernels.inverse(mechanism, pf.FrameOutput()))
+    given = {"x": x, "target": np.ones((67, 6))}
+    alike(found(**given), core_of(vm).functions(kernels.inverse, pf.FrameOutput())(**given), SOLVED)
 
 
 def test_functions_of_the_library_are_called(model_of):
@@ -60,8 +66,12 @@ def test_functions_of_the_library_are_called(model_of):
     sample = cases.case("rus6", "rigid")
     robot = sample.robot
     vm = pf.Model(robot, "vm")
-    x = np.tile(vm.flat(sample.states), (6, 1))
-    alike(native.NativeFunction(kernels.actuators(robot))(x), vm.function(kernels.actuators)(x), SAME)
+    x = np.tile(core_of(vm).flat(sample.states), (6, 1))
+    alike(
+        native.NativeFunction(kernels.actuators(solvable(robot)))(x=x),
+        core_of(vm).functions(kernels.actuators)(x=x),
+        SAME,
+    )
 
 
 def test_single_states_are_the_batch(model_of):
@@ -70,54 +80,55 @@ def test_single_states_are_the_batch(model_of):
     states, forces = random_states(model.robot, 100, 5), random_forces(model, 100, 6)
     whole = model.direct(states, forces)
     for i in (0, 50, 99):
-        alike([a[i] for a in whole], model.direct(states[i], forces[i]), SAME)
+        one = model.direct(states[i], forces[i])._asdict()
+        alike({name: a[i] for name, a in whole._asdict().items()}, one, SAME)
 
 
 def test_code_is_kept(model_of, own_cache, monkeypatch):
     """The second model is not traced."""
-    kernel = kernels.actuators(model_of(0).robot)
-    x = kernel.probe(1)[0]
-    expected = native.NativeFunction(kernel)(x)
+    kernel = kernels.actuators(solvable(model_of(0).robot))
+    x = kernel.probe(1)["x"]
+    expected = native.NativeFunction(kernel)(x=x)
     assert len(list(own_cache.iterdir())) == 1
     monkeypatch.setattr(native, "program", None)
-    alike(native.NativeFunction(kernel)(x), expected, 0.0)
+    alike(native.NativeFunction(kernel)(x=x), expected, 0.0)
 
 
 @pytest.mark.parametrize("spoil", ["cut", "flip", "empty"])
 def test_a_spoilt_cache_is_compiled_anew(model_of, own_cache, spoil):
-    kernel = kernels.actuators(model_of(0).robot)
-    x = kernel.probe(1)[0]
-    expected = native.NativeFunction(kernel)(x)
+    kernel = kernels.actuators(solvable(model_of(0).robot))
+    x = kernel.probe(1)["x"]
+    expected = native.NativeFunction(kernel)(x=x)
     (path,) = own_cache.iterdir()
     data = path.read_bytes()
     flipped = data[:5000] + bytes([data[5000] ^ 1]) + data[5001:]
     path.write_bytes({"cut": data[: len(data) // 2], "flip": flipped, "empty": b""}[spoil])
-    alike(native.NativeFunction(kernel)(x), expected, 0.0)
+    alike(native.NativeFunction(kernel)(x=x), expected, 0.0)
     assert path.read_bytes()[:32] == data[:32]
 
 
 def test_code_of_another_robot_is_noticed(model_of, own_cache):
     """An entry whose answers are not those of its code, as on a processor that computes otherwise."""
-    kernel = kernels.actuators(model_of(0).robot)
-    x = kernel.probe(1)[0]
-    expected = native.NativeFunction(kernel)(x)
+    kernel = kernels.actuators(solvable(model_of(0).robot))
+    x = kernel.probe(1)["x"]
+    expected = native.NativeFunction(kernel)(x=x)
     (path,) = own_cache.iterdir()
     entry = cache.load(path.stem)
     cache.save(path.stem, entry._replace(outputs=[a + 1e-3 for a in entry.outputs]))
     with pytest.warns(UserWarning, match="cached machine code does not give what it should"):
-        alike(native.NativeFunction(kernel)(x), expected, 0.0)
+        alike(native.NativeFunction(kernel)(x=x), expected, 0.0)
 
 
 def test_wrong_code_falls_back(model_of, monkeypatch):
     """A compiler that errs: the virtual machine is used, and said."""
     monkeypatch.setitem(instructions.ARITHMETIC, next(iter(instructions.ARITHMETIC)), "fsub")
     with pytest.warns(UserWarning, match="differs from the reference.*is used instead"):
-        found = native.NativeBackend().compile(kernels.actuators(model_of(0).robot))
+        found = native.NativeBackend().compile(kernels.actuators(solvable(model_of(0).robot)))
     assert isinstance(found, VmFunction)
 
 
 def test_code_of_another_user_is_not_run(model_of, own_cache, monkeypatch):
-    kernel = kernels.actuators(model_of(0).robot)
+    kernel = kernels.actuators(solvable(model_of(0).robot))
     native.NativeFunction(kernel)
     (path,) = own_cache.iterdir()
     monkeypatch.setattr(cache.os, "getuid", lambda: 12345)
@@ -125,7 +136,7 @@ def test_code_of_another_user_is_not_run(model_of, own_cache, monkeypatch):
 
 
 def test_what_was_not_used_for_longest_leaves_the_cache(model_of, own_cache, monkeypatch):
-    native.code(kernels.actuators(model_of(0).robot), 1)
+    native.code(kernels.actuators(solvable(model_of(0).robot)), 1)
     (path,) = own_cache.iterdir()
     entry = cache.load(path.stem)
     for age, name in ((3, path.stem), (2, "older"), (1, "newer")):
@@ -138,7 +149,7 @@ def test_what_was_not_used_for_longest_leaves_the_cache(model_of, own_cache, mon
 
 
 def test_no_place_for_a_cache(model_of, own_cache, monkeypatch):
-    kernel = kernels.actuators(model_of(0).robot)
+    kernel = kernels.actuators(solvable(model_of(0).robot))
     own_cache.write_text("a file where the folder should be")
     native.NativeFunction(kernel)
     monkeypatch.setenv(cache.VARIABLE, "")
@@ -150,10 +161,11 @@ COMPILE = """
 import parflex as pf
 from parflex.compiled.native import native
 from parflex.kernels import models as kernels
+from parflex.mechanics.redundancy import solvable
 robot = pf.robots.gough_stewart(0)
 print("ready", flush=True)
 input()
-native.NativeFunction(kernels.actuators(robot))
+native.NativeFunction(kernels.actuators(solvable(robot)))
 """
 CUT = """
 import os
@@ -194,7 +206,8 @@ def test_two_at_once_and_one_that_died(own_cache):
 def test_other_robots_have_other_keys(model_of):
     """What a robot is made of, to the last bit, names its code."""
     robot = model_of(0).robot
-    lighter = replace(robot, gravity=(0, 0, np.nextafter(-9.81, 0)))
+    lighter = solvable(replace(robot, gravity=(0, 0, np.nextafter(-9.81, 0))))
+    robot = solvable(robot)
     keys = {cache.key_of(kernel.name, kernel.subject) for kernel in (
         kernels.direct(robot), kernels.direct(lighter), motion.derivative(robot),
         kernels.inverse(robot, pf.FrameOutput()), kernels.inverse(robot, pf.FrameOutput((0, 1, 2))),
@@ -204,7 +217,7 @@ def test_other_robots_have_other_keys(model_of):
 
 def test_every_operation_has_a_translation():
     """The graphs of all kernels of a robot with carried legs, friction and springs."""
-    robot = zoo.odd(0, 3).robot
+    robot = solvable(zoo.odd(0, 3).robot)
     for kernel in (kernels.direct(robot), motion.derivative(robot), projection(robot)):
         assert "define void @run" in ir.module(program(kernel), 2, 8)
     assert VmBackend().name == "vm"
@@ -213,7 +226,7 @@ def test_every_operation_has_a_translation():
 @pytest.mark.parametrize("lanes", [1, 4])
 def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
     """A graph cut into a dozen functions gives what the whole gives."""
-    kernel = kernels.direct(model_of(0).robot)
+    kernel = kernels.direct(solvable(model_of(0).robot))
     monkeypatch.setattr(ir, "PART", 400)
     assert ir.module(program(kernel), lanes, 8).count("define internal void @part") >= 10
     assert native.code(kernel, lanes).sound
@@ -225,15 +238,16 @@ import numpy as np
 import parflex as pf
 from parflex.compiled.native import native
 from parflex.kernels import models as kernels
+from parflex.mechanics.redundancy import solvable
 
 robot = pf.robots.gough_stewart(0)
-function = native.NativeFunction(kernels.actuators(robot))
-x = np.tile(function.kernel.probe(1)[0], (2000, 1))
-expected = function(x)[0]
+function = native.NativeFunction(kernels.actuators(solvable(robot)))
+x = np.tile(function.kernel.probe(1)["x"], (2000, 1))
+expected = function(x=x)["positions"]
 warnings.simplefilter("ignore")
 child = os.fork()
 if child == 0:
-    os._exit(0 if np.array_equal(function(x)[0], expected) else 1)
+    os._exit(0 if np.array_equal(function(x=x)["positions"], expected) else 1)
 assert os.waitpid(child, 0)[1] == 0
 """
 

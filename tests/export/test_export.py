@@ -15,10 +15,12 @@ import parflex as pf
 import rewriting
 from measures import relative
 from parflex.export.cases import magnitudes, sag
-from parflex.export.interface import contact_order, health_order, routines
+from parflex.export.interface import routines
 from parflex.kernels import models as kernels
 from parflex.kernels.motion import derivative
 from parflex.kernels.projection import projection
+from parflex.mechanics.redundancy import solvable
+from parflex.model.core import core_of
 
 CC, CXX = shutil.which("cc"), shutil.which("c++")
 STRICT = ("-Wall", "-Wextra", "-Wpedantic", "-Werror")
@@ -93,36 +95,31 @@ def test_self_test_passes_and_the_library_agrees(folder_of, name):
 
 
 def compare(library, build, output):
-    """All functions at random states on the closure, with the kernels in the library's own order.
+    """All functions at random states on the closure, against the kernels themselves.
 
     Inputs are of the order of the platform's weight. Where forces cancel that are much larger than what
     they leave, C and NumPy are both further from the truth: in the V̇_p of the inverse model with modes bent
     up to a hundred times as far, by 2e-12 and 1e-12 (against the same C with long double).
     """
     robot = build()
-    usual = magnitudes(robot)
+    usual = magnitudes(solvable(robot))
     model, rng = pf.Model(robot, "numpy"), np.random.default_rng(7)
     found = states(model, rng)
-    for routine in routines(robot, output):
+    for routine in routines(solvable(robot), output):
         name = routine.kernel.name
         args = (output,) if name == "inverse" else ()
         build = {"derivative": derivative, "projection": projection}.get(name) or getattr(kernels, name)
-        reference = model.function(build, *args)
+        reference = core_of(model).functions(build, *args)
         for x in found:
             if name == "projection":
                 x = x + 1e-6 * (np.arange(len(x)) > 12)
-            sizes = zip(routine.inputs[1:], routine.kernel.inputs[1:], strict=True)
-            rest = [usual[what] * rng.normal(size=n) for what, n in sizes]
-            expected = in_leg_order(robot, routine, reference(x, *rest))
-            status, given = call(library, routine, x, *rest)
+            sizes = routine.kernel.inputs.items()
+            rest = {what: usual[what] * rng.normal(size=n) for what, n in sizes if what != "x"}
+            expected = reference(x=x, **rest)
+            status, given = call(library, routine, x, *rest.values())
             assert status == 0
-            for what, a, b in zip(routine.outputs, given, expected, strict=True):
+            for what, a, b in zip(routine.outputs, given, expected.values(), strict=True):
                 assert relative(a, b) <= SAME, (name, what)
-
-
-def in_leg_order(robot, routine, arrays):
-    order = {"f": contact_order(robot), "health": health_order(robot)}
-    return [a[order[n]] if n in order else a for n, a in zip(routine.outputs, arrays, strict=True)]
 
 
 def states(model, rng, count=4):
@@ -134,10 +131,10 @@ def states(model, rng, count=4):
             start.position + rng.uniform(-0.01, 0.01, 3),
             start.rotation,
             rng.normal(0, 0.1, 6),
-            sag(robot) * rng.normal(size=robot.platform.modes),
+            sag(solvable(robot)) * rng.normal(size=robot.platform.modes),
             joints=start.joints,
         )
-        x = model.flat(model.project(moved))
+        x = core_of(model).flat(model.project(moved))
         x[3:7] *= rng.uniform(0.5, 2.0)
         found.append(x)
     return found
@@ -145,7 +142,7 @@ def states(model, rng, count=4):
 
 def call(library, routine, *inputs, outputs=None):
     """The status and the outputs of a function."""
-    found = [np.full(n, np.nan) for n in routine.kernel.outputs] if outputs is None else outputs
+    found = [np.full(n, np.nan) for n in routine.kernel.outputs.values()] if outputs is None else outputs
     pointers = [None if a is None else ctypes.c_void_p(a.ctypes.data) for a in (*inputs, *found)]
     return getattr(library, f"parflex_{routine.kernel.name}")(*pointers), found
 
@@ -155,17 +152,17 @@ def test_forces_and_gaps_are_in_the_order_of_the_legs(folder_of):
     """Whatever the groups: against contact forces by attachment, the margins of the same robot with one
     group of legs, and a gap that one leg alone has."""
     library, robot = compiled(folder_of("mixed")), mixed()
-    assert [group.legs for group in robot.groups] == [(0, 3), (1, 2, 4, 5)]
-    model, direct = pf.Model(robot, "numpy"), routines(robot, pf.FrameOutput())[0]
+    assert [group.legs for group in solvable(robot).groups] == [(0, 3), (1, 2, 4, 5)]
+    model, direct = pf.Model(robot, "numpy"), routines(solvable(robot), pf.FrameOutput())[0]
     home = model.project(robot.home)  # which is symmetric
     state = model.project(pf.State(home.position + [0.02, 0.03, 0.01], home.rotation, joints=home.joints))
     u = np.arange(6.0)
-    x = model.flat(state)
+    x = core_of(model).flat(state)
     _, (_, _, f, health) = call(library, direct, x, u, None)
     held = [leg.tips[0].attachment for leg in robot.legs]
     assert relative(f.reshape(6, 3), model.direct(state, u).contact_forces[held]) < SAME
     plain = pf.Model(cases.case("rus6", "rigid").robot, "numpy")
-    margins = plain.function(kernels.direct)(x[:13], u, np.zeros(6))[3]
+    margins = core_of(plain).functions(kernels.direct)(x=x[:13], forces=u)["health"]
     closed = [1, 2, 4, 5, 7, 8, 10, 11]
     assert np.min(np.abs(np.diff(margins[closed]))) > 1e-6  # else the order would not show
     assert relative(health[closed], margins[closed]) < SAME
@@ -180,15 +177,15 @@ def test_null_and_shared_arrays(folder_of):
     """Inputs that are NULL are zero, outputs that are NULL are not written, an output may be an input."""
     at, (build, output) = folder_of("carried"), ROBOTS["carried"]
     library, robot = compiled(at), build()
-    direct, inverse, derivative, projection = routines(robot, output)
-    home = np.zeros(robot.layout.size)
+    direct, inverse, derivative, projection = routines(solvable(robot), output)
+    home = np.zeros(solvable(robot).layout.size)
     library.parflex_home(ctypes.c_void_p(home.ctypes.data))
-    assert relative(home, pf.Model(robot).flat(pf.Model(robot).project(robot.home))) < SAME
+    assert relative(home, core_of(pf.Model(robot)).flat(pf.Model(robot).project(robot.home))) < SAME
     u, w = np.ones(robot.n_forces), np.zeros(6 + robot.platform.modes)
     for routine, second in ((direct, u), (derivative, u), (inverse, np.ones(output.size))):
-        more = [np.zeros(n) for n in routine.kernel.inputs[3:]]
+        more = [np.zeros(n) for n in list(routine.kernel.inputs.values())[3:]]
         _, full = call(library, routine, home, second, w, *more)
-        bare = [np.full(routine.kernel.outputs[0], np.nan)] + [None] * (len(full) - 1)
+        bare = [np.full(next(iter(routine.kernel.outputs.values())), np.nan)] + [None] * (len(full) - 1)
         none = [None] * (len(routine.inputs) - 2)
         assert call(library, routine, home, second, *none, outputs=bare)[0] == 0
         assert np.array_equal(bare[0], full[0])
@@ -204,10 +201,10 @@ def test_null_and_shared_arrays(folder_of):
 def test_states_that_are_none_are_told(folder_of):
     at, (build, output) = folder_of("delta"), ROBOTS["delta"]
     library, robot = compiled(at), build()
-    direct, _, derivative, _ = routines(robot, output)
+    direct, _, derivative, _ = routines(solvable(robot), output)
     header = (at / "model.h").read_text()
     code = {name: int(value) for name, value in re.findall(r"#define PARFLEX_([A-Z_]+) +(\d+)\b", header)}
-    x, u = pf.Model(robot).flat(pf.Model(robot).project(robot.home)), np.zeros(3)
+    x, u = core_of(pf.Model(robot)).flat(pf.Model(robot).project(robot.home)), np.zeros(3)
     assert code["STATE"] == len(x)
     assert call(library, direct, x, u, None)[0] == code["OK"]
     turned = x + 1e-3 * (np.arange(len(x)) == 4)
@@ -239,7 +236,7 @@ def test_nothing_is_allocated_or_kept(folder_of, name):
     called = set(re.findall(r"\b(\w+)\(", code))
     known = {"sqrt", "sin", "cos", "fabs", "isfinite", "judged", "if", "for", "parflex_home"}
     assert called - known == {
-        f"parflex_{r.kernel.name}" for r in routines(ROBOTS[name][0](), ROBOTS[name][1])
+        f"parflex_{r.kernel.name}" for r in routines(solvable(ROBOTS[name][0]()), ROBOTS[name][1])
     }
     assert ("sin" in called) == (name in ("carried", "mixed"))
 

@@ -11,6 +11,8 @@ import zoo
 from measures import random_forces, random_states, relative
 from parflex.compiled.vm import trace
 from parflex.kernels import models as kernels
+from parflex.mechanics.redundancy import solvable
+from parflex.model.core import core_of
 
 EXACT = 1e-10  # two exact derivatives, in 64 bits
 DIFFERENCES = 2e-6  # extrapolated central differences: of their own error
@@ -63,11 +65,11 @@ def test_against_automatic_differentiation(model_of, modes, backend):
     """CasADi differentiates the traced solve; its quaternion columns become rotation vectors."""
     model = model_of(modes, backend)
     state, forces = random_states(model.robot, 1, 3)[0], random_forces(model, 1, 4)[0]
-    graph = trace(kernels.direct(model.robot))
+    graph = trace(kernels.direct(solvable(model.robot)))
     x, u, w = (casadi.SX.sym(name, graph.numel_in(i)) for i, name in enumerate("xuw"))
     answer = casadi.vertcat(*graph(x, u, w)[:2])
     exact = casadi.Function("exact", [x, u, w], [casadi.jacobian(answer, v) for v in (x, u, w)])
-    flat = model.flat(state)
+    flat = core_of(model).flat(state)
     by_x, by_u, by_w = (np.array(a) for a in exact(flat, forces, np.zeros(6 + modes)))
     s, v = flat[3], flat[4:7]
     turn = 0.5 * np.vstack([-v, s * np.eye(3) + np.cross(v, np.eye(3)).T])
@@ -83,12 +85,13 @@ def test_direct_against_differences(kind):
     """On robots of any kind; every motion of the flat state, whether or not the closure allows it."""
     sample = KINDS[kind]()
     model = pf.Model(sample.robot, "numpy")
-    run = pf.Model(sample.robot, "vm").function(kernels.direct)
+    run = core_of(pf.Model(sample.robot, "vm")).functions(kernels.direct)
     state, forces = sample.states[0], sample.forces[0]
-    x, N = model.flat(state), sample.robot.platform.modes
+    x = core_of(model).flat(state)
 
     def answer(flat, u):
-        return np.concatenate(run(flat, u, np.zeros(6 + N))[:2])
+        found = run(x=flat, forces=u)
+        return np.concatenate([found["platform"], found["elastic"]])
 
     found = model.direct_jacobian(state, forces)
     expected = difference(lambda d: answer(moved(x, d), forces), found.state.shape[-1])
@@ -105,10 +108,10 @@ def test_wrenches_are_held_in_their_frame(model_of):
         pf.Wrench(3, (100.0, 0, -300), (0, 10.0, 20)),
         pf.Wrench(7, (0, 50.0, 0), (5.0, 0, 0), frame="platform"),
     ]
-    x = model.flat(state)
+    x = core_of(model).flat(state)
 
     def answer(d):
-        found = model.direct(model.state(moved(x, d)), forces, loads)
+        found = model.direct(core_of(model).state(moved(x, d)), forces, loads)
         return np.concatenate(found[:2])
 
     found = model.direct_jacobian(state, forces, loads)
@@ -122,10 +125,10 @@ def test_wrenches_are_held_in_their_frame(model_of):
 def test_inverse_against_differences(model_of, backend, output):
     model = model_of(3, backend)
     state, target = random_states(model.robot, 1, 7)[0], np.arange(1.0, 7.0)
-    x = model.flat(state)
+    x = core_of(model).flat(state)
 
     def answer(d):
-        return model.inverse(model.state(moved(x, d)), target, output).forces
+        return model.inverse(core_of(model).state(moved(x, d)), target, output).forces
 
     found = model.inverse_jacobian(state, target, output)
     assert by_column(found.state, difference(answer, found.state.shape[-1])) <= DIFFERENCES

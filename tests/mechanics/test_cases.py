@@ -14,6 +14,7 @@ from cases import KINDS, NAMES
 from measures import actuated, relative
 from parflex.mechanics import chain
 from parflex.mechanics.platform import platform_terms
+from parflex.model.core import core_of
 from parflex.views.sketch import sketch
 from rewriting import REWRITINGS, one_tree, reframed
 from sample import FIELDS, Sample, with_joints
@@ -141,7 +142,7 @@ def test_platform_model(name, kind):
 def test_leg_models(which):
     """A, c; J, J̇q̇ and the tips, turned into the world."""
     sample, stored = cases.case(*which), cases.arrays(*which)
-    system = model(*which, "numpy").system(sample.states)
+    system = core_of(model(*which, "numpy")).system(sample.states)
     R = np.asarray(sample.platform.rotation)[:, None]
     errors = {}
     for number, leg in enumerate(system.legs):

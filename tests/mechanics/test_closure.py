@@ -206,7 +206,7 @@ def test_flat_states_hold_the_joints(name, rewriting):
     c.direct(x, sample.forces[3].copy(), out)
     wanted = model.direct(state, sample.forces[3])
     assert relative(out[:6], wanted.platform) <= LIBRARY
-    held = model.robot.tip_attachments
+    held = [tip.attachment for leg in model.robot.legs for tip in leg.tips]
     assert relative(out[6 + c.modes :].reshape(-1, 3), wanted.contact_forces[held]) <= LIBRARY
 
 

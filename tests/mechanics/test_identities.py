@@ -11,7 +11,9 @@ from parflex.base.array import join, mtv, mv, transpose
 from parflex.kernels import models as kernels
 from parflex.mechanics import cartesian, chain, dynamics, kinematics
 from parflex.mechanics import system as assembly
+from parflex.mechanics.redundancy import solvable
 from parflex.mechanics.wrench import generalised_force
+from parflex.model.core import core_of
 from parflex.robot.layout import coordinates
 
 SAME = 1e-12  # the same quantity by another order of operations
@@ -25,14 +27,14 @@ def case(request, model_of):
     model = model_of(request.param)
     state = random_states(model.robot, STATES, seed=request.param)
     forces = random_forces(model, STATES, seed=100 + request.param)
-    return model, state, forces, coordinates(model.flat(state), model.robot.layout)
+    return model, state, forces, coordinates(core_of(model).flat(state), core_of(model).mechanism.layout)
 
 
 def test_contact_form_is_the_cartesian_form(case):
     """Eqs. 44–49 against the contact form, direct model."""
     model, state, forces, x = case
     found = model.direct(state, forces)
-    Vd, qdd_e = cartesian.direct(model.robot, x, forces)
+    Vd, qdd_e = cartesian.direct(core_of(model).mechanism, x, forces)
     assert relative(found.platform, Vd) <= SAME
     assert relative(found.elastic, qdd_e) <= SAME
 
@@ -46,7 +48,7 @@ def test_inverse_forces_satisfy_the_cartesian_form(case):
     terms = [mv(form.A, target), form.c, mv(form.Jsys_invT, gamma)]
     largest = max(np.max(np.abs(term)) for term in terms)
     assert np.max(np.abs(terms[0] + terms[1] - terms[2])) <= SAME * largest
-    assert relative(cartesian.inverse(model.robot, x, target)[0], forces) <= SOLVED
+    assert relative(cartesian.inverse(core_of(model).mechanism, x, target)[0], forces) <= SOLVED
 
 
 def test_inverse_after_direct_gives_the_forces_back(case):
@@ -67,7 +69,9 @@ def test_partial_output_is_reached_with_the_shortest_forces(case):
     target = model.direct(state, forces).platform[:, rows]
     found = model.inverse(state, target, pf.FrameOutput(rows))
     assert relative(model.direct(state, found.forces).platform[:, rows], target) <= SOLVED
-    gain = model.function(kernels.gains, pf.FrameOutput(rows))(model.flat(state))[0].reshape(STATES, 3, 6)
+    core = core_of(model)
+    gain = core.functions(kernels.gains, pf.FrameOutput(rows))(x=core.flat(state))["flexible"]
+    gain = gain.reshape(STATES, 3, 6)
     null = np.linalg.svd(gain)[2][:, 3:]
     assert relative(mv(null, found.forces), np.zeros((STATES, 3))) <= SOLVED * np.max(np.abs(found.forces))
 
@@ -125,12 +129,11 @@ def test_flat_models_agree_with_the_comfortable_ones(case, model_of, backend):
 def test_closure_and_leg_equations_hold(case):
     """J q̈ + J̇q̇ = Wᵀ(V̇_p, q̈_e) + h, with q̈ from the legs' own dynamics; Eqs. 6, 7 and 10."""
     model, _, forces, x = case
-    robot = model.robot
-    system = assembly.assemble(robot, x)
-    found = dynamics.direct_of(robot, system, forces, np.zeros(6 + robot.platform.modes))
+    system = assembly.assemble(solvable(model.robot), x)
+    found = dynamics.direct_of(system, forces, np.zeros(6 + model.robot.platform.modes))
     (leg,) = system.legs
     f = found.contact.reshape(STATES, 6, 3)
-    (qdd,) = assembly.joint_accelerations(robot, system, forces, found.contact)
+    (qdd,) = assembly.joint_accelerations(system, forces, found.contact)
     W = np.concatenate([system.W_p, np.broadcast_to(system.W_e, (STATES, *system.W_e.shape))], axis=-2)
     tips = kinematics.point_acceleration(
         W, kinematics.stacked(system.points.h), found.platform, found.elastic
@@ -144,16 +147,16 @@ def test_closure_and_leg_equations_hold(case):
 def test_power_of_the_actuators(case):
     """q̇_a = J_p⁻¹ V_p + J_e⁻¹ q̇_e (Eqs. 19–21) are the rates of the legs (Eq. 2)."""
     model, _, _, x = case
-    system = assembly.assemble(model.robot, x)
-    Jp, Je = kinematics.actuator_jacobian(system.W_p, system.W_e, assembly.actuated_axes(model.robot, system))
+    system = assembly.assemble(core_of(model).mechanism, x)
+    Jp, Je = kinematics.actuator_jacobian(system.W_p, system.W_e, assembly.actuated_axes(system))
     rates = mtv(Jp, x.twist) + mtv(Je, x.elastic_rate)
-    assert relative(rates, assembly.joint_rates(model.robot, system)) <= SAME
+    assert relative(rates, assembly.joint_rates(system)) <= SAME
 
 
 def test_leg_jacobian_is_that_of_the_paper(case):
     """Eqs. 3 and 4, typed from the paper, in Σ0i; and J q̇ is the tip's velocity (Eq. 1)."""
     model, state, _, x = case
-    (leg,) = assembly.assemble(model.robot, x).legs
+    (leg,) = assembly.assemble(core_of(model).mechanism, x).legs
     legs = model.joints(state)
     for i in range(6):
         q1, q2, q3 = np.moveaxis(legs.q[i], -1, 0)
@@ -167,7 +170,7 @@ def test_leg_jacobian_is_that_of_the_paper(case):
         )
         in_base = transpose(leg.group.rotation[i]) @ x.rotation @ leg.J[:, i]
         assert relative(in_base, np.moveaxis(printed, -1, 0)) <= SAME
-    system = assembly.assemble(model.robot, x)
+    system = assembly.assemble(core_of(model).mechanism, x)
     assert relative(mv(leg.J, leg.qd), system.points.v) <= SAME
 
 
@@ -193,7 +196,7 @@ def test_force_at_an_attachment_is_carried_like_a_contact_force(case):
     """A force on the node of an attachment acts as W_i f_i does (Eqs. 26–28)."""
     model, state, _, x = case
     body, f = model.robot.platform, np.array([5.0, -7.0, 11.0])
-    system = assembly.assemble(model.robot, x)
+    system = assembly.assemble(core_of(model).mechanism, x)
     stacked = np.zeros((STATES, 18))
     stacked[:, 6:9] = f
     F_p, Q_p = kinematics.generalised_force(system.W_p, system.W_e, stacked)
@@ -204,7 +207,7 @@ def test_force_at_an_attachment_is_carried_like_a_contact_force(case):
 def test_inertia_matrix_is_that_of_the_inverse_dynamics(case):
     """Column k of A is τ(q̈ = e_k) − τ(q̈ = 0)."""
     model, _, _, x = case
-    (leg,) = assembly.assemble(model.robot, x).legs
+    (leg,) = assembly.assemble(core_of(model).mechanism, x).legs
     table, frames = leg.group.chain, leg.frames
     for k in range(3):
         unit = np.zeros(3)
@@ -252,7 +255,11 @@ def test_leg_without_an_actuator(model_of):
     assert relative(model.inverse(state, found.platform).forces, forces) <= SOLVED
     assert (
         relative(
-            cartesian.direct(model.robot, coordinates(model.flat(state), model.robot.layout), forces)[0],
+            cartesian.direct(
+                core_of(model).mechanism,
+                coordinates(core_of(model).flat(state), core_of(model).mechanism.layout),
+                forces,
+            )[0],
             found.platform,
         )
         <= SAME

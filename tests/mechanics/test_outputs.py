@@ -14,7 +14,7 @@ import oracle
 import parflex as pf
 import zoo
 from measures import relative
-from parflex.analysis import singularities as singular
+from parflex.analysis import gains as singular
 from rewriting import reframed
 
 LIBRARY = 1e-9  # the accuracy the library promises

@@ -288,7 +288,7 @@ def test_parallel_singularity_names_the_free_twist(model):
         for i, c in enumerate(corners())
     ]
     robot = pf.Robot(tuple(spokes), model.robot.platform, home_pose=((0, 0, 1.0), UPRIGHT))
-    singular = pf.Model(robot, model.backend.name)
+    singular = pf.Model(robot, model.backend)
     singular.direct(robot.home, np.zeros(6))  # the contact form needs no J_p
     with pytest.raises(pf.SingularPose, match="pose is a parallel singularity") as caught:
         singular.inverse(robot.home, np.zeros(6))

@@ -12,6 +12,7 @@ import oracle
 import parflex as pf
 from measures import actuated, relative
 from parflex.mechanics.closure import posed
+from parflex.model.core import core_of
 from parflex.robot.layout import unpack
 from places import DOCS
 
@@ -98,7 +99,7 @@ def test_mobility_is_as_stated(name, flexible):
 
 @robots
 def test_closed_forms_are_recognised(name):
-    assert not any(group.type.carries for group in model(name, False).robot.groups)
+    assert not any(group.type.carries for group in core_of(model(name, False)).mechanism.groups)
 
 
 @robots
@@ -174,13 +175,13 @@ def test_oracle_agrees(name, flexible):
 def test_forward_geometry_after_inverse_geometry(name):
     """From home to all poses in one batch, and to some by the door."""
     m, rng = model(name, False), np.random.default_rng(9)
-    home, layout = m.robot.home, m.robot.layout
+    home, mechanism = m.robot.home, core_of(m).mechanism
     turn = Rotation.from_rotvec(rng.uniform(-0.08, 0.08, (POSES, 3))).as_matrix()
     place = home.position + rng.uniform(-0.04, 0.04, (POSES, 3))
     wanted = m.project(pf.State(place, turn @ home.rotation))
     joints = actuated(m.robot, m.joints(wanted).q)
-    start = np.broadcast_to(m.flat(home), (POSES, layout.size))
-    found = unpack(posed(m.robot, start, joints)[0], layout)
+    start = np.broadcast_to(core_of(m).flat(home), (POSES, mechanism.layout.size))
+    found = unpack(posed(mechanism, start, joints)[0], mechanism.layout)
     assert np.max(np.abs(found.position - wanted.position)) <= GEOMETRY
     assert np.max(np.abs(found.rotation - wanted.rotation)) <= GEOMETRY
     for s in range(3):

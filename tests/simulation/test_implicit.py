@@ -8,6 +8,7 @@ import pytest
 import parflex as pf
 import zoo
 from measures import random_forces, random_states
+from parflex.model.core import core_of
 from parflex.simulation.laws import controller_of
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.loads import Loads
@@ -59,7 +60,7 @@ def test_jacobian_against_differences(model_of, kind, modes):
     """Under wrenches on nodes in both frames; at a quaternion of length 1.1, as an integrator may try."""
     model = model_of(modes)
     law = law_of(kind, model, random_forces(model, 1, 1)[0])
-    x = model.flat(random_states(model.robot, 1, 2)[0])
+    x = core_of(model).flat(random_states(model.robot, 1, 2)[0])
     x[3:7] *= 1.1
     assert law.differentiable
     assert apart(law.jacobian(0.06, x), by_differences(law, 0.06, x)) <= DIFFERENCES
@@ -70,7 +71,7 @@ def test_jacobian_against_differences(model_of, kind, modes):
 def test_backends_agree(model_of, kind, backend):
     """Traced and compiled, the derivative is that of the reference."""
     forces = random_forces(model_of(3), 1, 3)[0]
-    x = model_of(3).flat(random_states(model_of(3).robot, 1, 4)[0])
+    x = core_of(model_of(3)).flat(random_states(model_of(3).robot, 1, 4)[0])
     reference, compiled = (law_of(kind, model_of(3, name), forces) for name in ("numpy", backend))
     assert apart(compiled.jacobian(0.06, x), reference.jacobian(0.06, x)) <= EXACT
 
@@ -93,7 +94,7 @@ def test_robots_of_other_kinds(name):
     stiffness, damping = np.linspace(1e3, 5e3, m), np.linspace(10.0, 50.0, m)
     hold = pf.JointPD(model, sample.states[1], stiffness, damping, sample.forces[0])
     law = hold.bind(model, Loads(model, ()))
-    x = model.flat(sample.states[0])
+    x = core_of(model).flat(sample.states[0])
     assert law.differentiable
     assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= DIFFERENCES
 
@@ -152,7 +153,7 @@ def test_exact_derivatives_spare_right_hand_sides(model_of):
     exact, differences = counts
     assert exact.jacobians > 1
     per_jacobian = (differences.rates - exact.rates) / differences.jacobians
-    assert per_jacobian > 0.9 * model.robot.layout.size
+    assert per_jacobian > 0.9 * core_of(model).mechanism.layout.size
 
 
 def test_a_work_does_not_end_a_stiff_run():
@@ -186,7 +187,7 @@ def test_a_callers_function_and_carried_joints_are_differenced(model_of):
     law = hold.bind(model, Loads(model, ()))
 
     def called(t, state):
-        return law.forces(t, model.flat(state))
+        return law.forces(t, core_of(model).flat(state))
 
     one, other = (
         pf.simulate(model, given, start, TIMES, method="Radau", rtol=1e-7, atol=1e-9).dataset
@@ -196,6 +197,6 @@ def test_a_callers_function_and_carried_joints_are_differenced(model_of):
     sample = zoo.odd(0, 0)
     model = pf.Model(sample.robot, "vm")
     law = controller_of(model, sample.forces[0]).bind(model, Loads(model, ()))
-    x = model.flat(sample.states[0])
+    x = core_of(model).flat(sample.states[0])
     assert not law.differentiable
     assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= 1e-4

@@ -13,9 +13,10 @@ from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from measures import relative
-from parflex.analysis.singularities import Watch
+from parflex.analysis.watch import Watch
 from parflex.base.spatial import quaternion_rate
 from parflex.kernels import models as kernels
+from parflex.model.core import core_of
 from parflex.robot.layout import Layout, coordinates, pack
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
@@ -48,7 +49,7 @@ def test_controllers_of_all_kinds_agree(model, held):
     by_array = pf.simulate(model, push, state, TIMES)
     by_function = pf.simulate(model, lambda t, s: push, state, TIMES)
     by_controller = pf.simulate(model, pf.JointPD(model, state, 0.0, 0.0, push), state, TIMES)
-    bound = 0.0 if model.backend.name == "vm" else 1e-11  # two integrators, and two machine codes
+    bound = 0.0 if model.backend == "vm" else 1e-11  # two integrators, and two machine codes
     for run in (by_function, by_controller):
         assert np.max(np.abs(run.dataset.position - by_array.dataset.position)) <= bound
     assert np.all(by_array.dataset.forces == push)
@@ -219,12 +220,12 @@ def test_what_lies_beyond_a_crossing_is_not_kept(model_of, backend):
         pf.State(home.position + s * GOAL[:3], Rotation.from_rotvec(s * GOAL[3:]).as_matrix())
         for s in np.linspace(0, 1.5, 40)
     ]
-    x = np.array([model.flat(state) for state in line])
-    flexible, rigid = reference.function(kernels.gains, pf.FrameOutput())(x)
+    x = np.array([core_of(model).flat(state) for state in line])
+    flexible, rigid = core_of(reference).functions(kernels.gains, pf.FrameOutput())(x=x).values()
     signs = np.sign(np.linalg.det(flexible.reshape(-1, 6, 6)) * np.linalg.det(rigid.reshape(-1, 6, 6)))
     first = int(np.argmax(signs != signs[0]))
     assert 0 < first < len(x) - 1
-    watch = Watch(model, pf.FrameOutput())
+    watch = Watch(core_of(model).functions, pf.FrameOutput())
     assert watch.look(x[:1]) == (1, "")
     before, words = watch.look(x)
     assert before == first

@@ -11,6 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
+from parflex.model.core import core_of
 from parflex.simulation.integrate import integrate
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.loads import Loads
@@ -243,7 +244,10 @@ def test_ctrl_c_in_machine_code_keeps_what_was_reached(model_of):
     model, presser = model_of(3, "native"), Presser()
     start, forces = model.equilibrium(*model.robot.home_pose)
     law = pf.JointPD(model, start, 1e6, 1e3, forces).bind(model, Loads(model, ()))
-    times, y = np.linspace(0, 1000, 100_001), np.append(model.flat(model.robot.home), np.zeros(WORKS))
+    times, y = (
+        np.linspace(0, 1000, 100_001),
+        np.append(core_of(model).flat(model.robot.home), np.zeros(WORKS)),
+    )
     tolerances = {"rtol": 1e-8, "atol": 1e-10, "max_step": 20.0}
     stepper = stepper_of(law, "DOP853", 0.0, y, times[-1], tolerances)
     assert isinstance(stepper, CyrkSteps)

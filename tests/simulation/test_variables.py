@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import parflex as pf
+from parflex.model.core import core_of
 from parflex.simulation.integrate import Run
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.loads import Loads
@@ -31,7 +32,7 @@ def recorded(model_of):
     state, forces = model.equilibrium(*model.robot.home_pose)
     law = pf.JointPD(model, state, 0.0, 0.0, forces).bind(model, Loads(model, ()))
     states = [state, pf.State(state.position, state.rotation, (3.0, 4, 0, 0, 0, 0), state.elastic)]
-    y = np.array([np.append(model.flat(each), np.zeros(WORKS)) for each in states])
+    y = np.array([np.append(core_of(model).flat(each), np.zeros(WORKS)) for each in states])
     run = Run(TIMES[:2], [y], TIMES[1], done=2)
     replay = law.replay(run.t, run.x)
     return record(model, run, replay, None, {}, variables=(*ALL_VARIABLES, SPEED, NOTHING))

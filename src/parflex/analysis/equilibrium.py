@@ -4,15 +4,19 @@ from collections.abc import Callable
 
 import numpy as np
 
+from parflex.analysis.health import check_state, on_closure, single
 from parflex.analysis.mobility import freed_twist, null_space, show, span
 from parflex.base.array import Array, block_diagonal, join, transpose
 from parflex.base.errors import InputError, NotConverged
+from parflex.compiled.functions import Functions
 from parflex.mechanics import system as assembly
-from parflex.mechanics.system import System
-from parflex.robot.robot import Robot
+from parflex.mechanics.flat_state import projected, state_of
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.system import System, examined
+from parflex.robot.state import State
 
 
-def equilibrium(robot: Robot, place: Callable[[Array], Array]) -> tuple[Array, Array]:
+def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The flat state at rest, and the actuator forces (m,) that hold it.
 
     `place` gives the flat state for a bend q_e (N,). For a given bend, forces and moments balance
@@ -23,16 +27,16 @@ def equilibrium(robot: Robot, place: Callable[[Array], Array]) -> tuple[Array, A
     """
     from scipy.optimize import root
 
-    modes = robot.platform.modes
-    if modes and not np.all(robot.platform.stiffness > 0):
+    modes = mechanism.platform.modes
+    if modes and not np.all(mechanism.platform.stiffness > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
 
     def bend(q_e: Array) -> tuple[Array, Array]:
         flat = place(q_e)
-        system = assembly.assembled(robot, flat)
-        f, forces = balance(robot, system, flat)
-        load = system.W_e @ f + robot.platform.tables.S.T @ (system.x.rotation.T @ robot.gravity)
-        return load / robot.platform.stiffness, forces
+        system = assembly.assembled(mechanism, flat)
+        f, forces = balance(mechanism, system, flat)
+        load = system.W_e @ f + mechanism.platform.moments.S.T @ (system.x.rotation.T @ mechanism.gravity)
+        return load / mechanism.platform.stiffness, forces
 
     q_e = np.zeros(modes)
     if modes:
@@ -47,14 +51,38 @@ def equilibrium(robot: Robot, place: Callable[[Array], Array]) -> tuple[Array, A
     return place(q_e), bend(q_e)[1]
 
 
-def balance(robot: Robot, system: System, flat: Array) -> tuple[Array, Array]:
+def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array]:
+    """The equilibrium at the pose of a state, as a flat state, and the forces (m,) that hold it.
+
+    Joints that the state names are a start. Raises InputError for a batch, NotConverged where the
+    platform is too soft, and as `Model.direct` where the pose is none.
+    """
+    mechanism = functions.mechanism
+    still = State(state.position, state.rotation, joints=state.joints)
+    start = single(name, on_closure(mechanism, still))
+    check_state(functions, start, examined(mechanism, start)[1])
+
+    def held(q_e: Array) -> Array:
+        return projected(mechanism, state_of(mechanism, bent(mechanism, start, q_e)))
+
+    return equilibrium(mechanism, held)
+
+
+def bent(mechanism: Mechanism, x: Array, q_e: Array) -> Array:
+    """The flat state with another bend q_e (N,)."""
+    other = np.array(x)
+    other[mechanism.layout.at.elastic] = q_e
+    return other
+
+
+def balance(mechanism: Mechanism, system: System, flat: Array) -> tuple[Array, Array]:
     """Contact forces (3k,) and Γ (m,) of least norm that hold the robot still.
 
     Legs: Jᵀ f − S Γ = −c; platform: W_p f = c_r.
     """
     Jt = assembly.diagonal([block_diagonal(transpose(leg.J)) for leg in system.legs])
     selections = [np.stack([assembly.selection(leg.group)] * len(leg.group.legs)) for leg in system.legs]
-    S = assembly.diagonal([block_diagonal(part) for part in selections])[:, robot.force_order]
+    S = assembly.diagonal([block_diagonal(part) for part in selections])[:, mechanism.force_order]
     c = join([np.zeros(0), *(leg.c.reshape(-1) for leg in system.legs)])
     A = np.block([[Jt, -S], [system.W_p, np.zeros((6, S.shape[1]))]])
     b = np.concatenate([-c, system.platform.c_r])
@@ -62,7 +90,7 @@ def balance(robot: Robot, system: System, flat: Array) -> tuple[Array, Array]:
     if not np.allclose(A @ solution, b, rtol=0, atol=1e-9 * max(1.0, np.max(np.abs(b)))):
         raise NotConverged(
             f"no actuator forces hold the platform in this pose; nothing carries its weight along the "
-            f"twist (v, ω) = {show(freed_twist(robot, flat))}, nearest to a parallel singularity"
+            f"twist (v, ω) = {show(freed_twist(mechanism, flat))}, nearest to a parallel singularity"
         )
     contacts = Jt.shape[1]
     spare = span(null_space(A)[contacts:])

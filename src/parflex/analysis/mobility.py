@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, size_of, units
+from parflex.mechanics.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, units
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import assembled
-from parflex.robot.robot import Robot
 
 RANK = (
     1e-6  # of matrices with entries of order 1; near a serial singularity joints go with the root of a pose
@@ -64,19 +64,19 @@ class Motions(NamedTuple):
     actuated: Array  # (m, d)
 
 
-def mobility(robot: Robot, x: Array) -> Mobility:
+def mobility(mechanism: Mechanism, x: Array) -> Mobility:
     """The mobility at one flat state."""
-    lengths = np.repeat([1.0, size_of(robot)], 3)
-    G = scaled_closure(robot, x)
-    Z_p, Z_a = motions(robot, G)
+    lengths = np.repeat([1.0, mechanism.size], 3)
+    G = scaled_closure(mechanism, x)
+    Z_p, Z_a = motions(mechanism, G)
     still, locked = null_space(Z_p), null_space(Z_a)
     independent = rank(G)
-    clash = null_space(G.T).reshape(len(robot.tip_attachments), 3, len(G) - independent)
-    pressed = robot.tip_attachments[np.linalg.norm(clash, axis=(1, 2)) > 1e-6]
+    clash = null_space(G.T).reshape(len(mechanism.attachments), 3, len(G) - independent)
+    pressed = mechanism.attachments[np.linalg.norm(clash, axis=(1, 2)) > 1e-6]
     return Mobility(
         freedoms=rank(Z_p),
         internal=null_space(np.vstack([Z_p, Z_a])).shape[1],
-        actuators=robot.n_forces,
+        actuators=mechanism.n_forces,
         rows=len(G),
         rank=independent,
         not_unique=tuple(sorted(int(a) for a in pressed)),
@@ -86,36 +86,36 @@ def mobility(robot: Robot, x: Array) -> Mobility:
     )
 
 
-def reached(robot: Robot, x: Array) -> Array:
+def reached(mechanism: Mechanism, x: Array) -> Array:
     """The flat state; where only round-off puts it beyond a leg's reach, one a hair away, within."""
-    steps = HAIR * size_of(robot) * np.diag(units(robot, POSE))
+    steps = HAIR * mechanism.size * np.diag(units(mechanism, POSE))
     near = displaced(
-        robot, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])
+        mechanism, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])
     )
     with np.errstate(invalid="ignore", divide="ignore"):
-        G = closure_matrix(assembled(robot, near))
+        G = closure_matrix(assembled(mechanism, near))
     within = np.all(np.isfinite(G), axis=(-2, -1))
     return x if within[0] or not np.any(within) else near[np.argmax(within)]
 
 
-def scaled_closure(robot: Robot, x: Array) -> Array:
+def scaled_closure(mechanism: Mechanism, x: Array) -> Array:
     """[−Wᵀ J] (3k, 6 + N + n) at a flat state, its columns in the robot's scale."""
-    return closure_matrix(assembled(robot, x)) * units(robot, ALL)
+    return closure_matrix(assembled(mechanism, x)) * units(mechanism, ALL)
 
 
-def motions(robot: Robot, G: Array) -> Motions:
+def motions(mechanism: Mechanism, G: Array) -> Motions:
     """What a scaled closure allows while the platform does not bend."""
-    bend = np.s_[6 : 6 + robot.platform.modes]
+    bend = mechanism.layout.displacements.elastic
     Z = null_space(np.delete(G, bend, axis=1))
-    S = actuated_rows(robot) * units(robot, ALL)
+    S = actuated_rows(mechanism) * units(mechanism, ALL)
     return Motions(Z[:6], np.delete(S, bend, axis=1) @ Z)
 
 
-def freed_twist(robot: Robot, x: Array) -> Array:
+def freed_twist(mechanism: Mechanism, x: Array) -> Array:
     """The twist (6,), largest entry 1, that locked actuators hold least."""
-    Z_p, Z_a = motions(robot, scaled_closure(robot, x))
+    Z_p, Z_a = motions(mechanism, scaled_closure(mechanism, x))
     weakest = Z_p @ np.linalg.svd(Z_a)[2][-1]
-    twist = weakest / np.repeat([1.0, size_of(robot)], 3)
+    twist = weakest / np.repeat([1.0, mechanism.size], 3)
     return twist / np.max(np.abs(twist))
 
 

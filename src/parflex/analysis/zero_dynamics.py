@@ -1,24 +1,22 @@
 """How well an output is commanded: gains, what bending makes of them, elastic zero dynamics."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parflex.analysis.equilibrium import at_rest
+from parflex.analysis.gains import check_gain, gain_matrix, gain_ratio, ratio
 from parflex.analysis.mobility import null_space, scaled_closure
-from parflex.analysis.search import at_rest
-from parflex.analysis.singularities import by_rows, check_gain, gain_ratio, ratio
 from parflex.base.array import Array
-from parflex.kernels import models as kernels
-from parflex.kernels import motion
-from parflex.mechanics.closure import ALL, accelerated, carried_part, displaced, size_of, units
+from parflex.compiled.functions import Functions
+from parflex.kernels import models
+from parflex.kernels.motion import derivative
+from parflex.mechanics.closure import ALL, accelerated, carried_part, displaced, units
+from parflex.mechanics.flat_state import state_of
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.robot.layout import coordinates
-from parflex.robot.robot import Robot
 from parflex.robot.state import State
-
-if TYPE_CHECKING:
-    from parflex.model.model import Model
 
 STEP = 1e-6  # of the platform's size, for differences
 
@@ -64,60 +62,50 @@ class OutputReport:
         return " ".join(words)
 
 
-def output_report(model: "Model", state: State, output: Output) -> OutputReport:
+def output_report(functions: Functions, state: State, output: Output) -> OutputReport:
     """The report about the equilibrium in the pose of a state."""
-    robot = model.robot
-    x, forces = at_rest(model, "state", state)
-    gains = model.function(kernels.gains, output)(x)
-    check_gain(robot, output, x, *gains)
-    flexible, rigid = (by_rows(robot, output, g) for g in gains)
+    mechanism = functions.mechanism
+    x, forces = at_rest(functions, "state", state)
+    gains = functions(models.gains, output)(x=x)
+    check_gain(mechanism, output, x, gains["flexible"], gains["rigid"])
+    flexible, rigid = (gain_matrix(mechanism, output, g) for g in gains.values())
     return OutputReport(
-        model.state(x),
+        state_of(mechanism, x),
         forces,
         conditioning=1.0 / max(float(ratio(flexible)), np.finfo(float).tiny),
         gain_ratio=np.linalg.eigvals(gain_ratio(flexible, rigid)),
-        poles=zero_poles(model, x, forces, output),
+        poles=zero_poles(functions, x, forces, output),
     )
 
 
-def zero_poles(model: "Model", x: Array, forces: Array, output: Output) -> Array:
+def zero_poles(functions: Functions, x: Array, forces: Array, output: Output) -> Array:
     """Poles (2 n,) of the motion left about an equilibrium x while the output does not accelerate.
 
     By central differences of the inverse model, along the motions that keep closure and output.
     """
-    robot, n = model.robot, model.robot.layout.carried
-    T = held_motions(model.robot, x, output)
-    platform, joints = np.split(T, [6 + robot.layout.modes])
-    kept = np.concatenate([platform, carried_part(robot, joints.T).T])
-    steps = STEP * size_of(robot) * np.concatenate([T.T, -T.T])
-    states = np.concatenate(
-        [displaced(robot, np.broadcast_to(x, (len(steps), len(x))), steps)]
-        + [accelerated(robot, np.broadcast_to(x, (len(steps), len(x))), steps)]
-    )
-    none = np.zeros(6 + robot.layout.modes)
-    target = np.zeros(output.size)
-    Gamma = model.function(kernels.inverse, output)(states, target, none, forces)[0]
-    rates = model.function(motion.derivative)(states, Gamma, none)[0]
-    N = robot.layout.modes
-    a = np.concatenate([rates[:, 7:13], rates[:, 13 + N : 13 + 2 * N], rates[:, len(x) - n :]], axis=-1)
+    mechanism, at = functions.mechanism, functions.mechanism.layout.at
+    T = held_motions(mechanism, x, output)
+    platform, joints = np.split(T, [mechanism.layout.displacements.joints.start])
+    kept = np.concatenate([platform, carried_part(mechanism, joints.T).T])
+    step = STEP * mechanism.size
+    steps = step * np.concatenate([T.T, -T.T])
+    start = np.broadcast_to(x, (len(steps), len(x)))
+    states = np.concatenate([displaced(mechanism, start, steps), accelerated(mechanism, start, steps)])
+    none, target = np.zeros(6 + mechanism.platform.modes), np.zeros(output.size)
+    Gamma = functions(models.inverse, output)(x=states, target=target, load=none, preload=forces)["forces"]
+    rates = functions(derivative)(x=states, forces=Gamma, load=none)["rate"]
+    a = np.concatenate([rates[:, part] for part in (at.twist, at.elastic_rate, at.joint_rates)], axis=-1)
     plus_place, minus_place, plus_rate, minus_rate = np.split(a @ np.linalg.pinv(kept).T, 4)
-    span = 2 * STEP * size_of(robot)
-    A, B = (plus_place - minus_place).T / span, (plus_rate - minus_rate).T / span
+    A, B = (plus_place - minus_place).T / (2 * step), (plus_rate - minus_rate).T / (2 * step)
     one, zero = np.eye(len(A)), np.zeros(A.shape)
     return np.sort_complex(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
 
 
-def held_motions(robot: Robot, x: Array, output: Output) -> Array:
+def held_motions(mechanism: Mechanism, x: Array, output: Output) -> Array:
     """Motions (6 + N + n, d) that the closure allows and the output does not see."""
-    c, N = coordinates(x, robot.layout), robot.layout.modes
-    every = np.eye(6 + N)
-    seen = output.linear(robot.platform, c, every[:6], every[6:])
-    blind = np.zeros((output.size, all_joints(robot)))
-    scale = units(robot, ALL)
+    c, scale = coordinates(x, mechanism.layout), units(mechanism, ALL)
+    every = np.eye(6 + mechanism.platform.modes)
+    seen = output.linear(mechanism.platform.body, c, every[:6], every[6:])
+    blind = np.zeros((output.size, len(scale) - len(every)))
     rows = np.hstack([seen, blind]) * scale
-    return scale[:, None] * null_space(np.vstack([scaled_closure(robot, x), rows]))
-
-
-def all_joints(robot: Robot) -> int:
-    """n, the joints of all legs."""
-    return sum(len(leg.joints) for leg in robot.legs)
+    return scale[:, None] * null_space(np.vstack([scaled_closure(mechanism, x), rows]))

@@ -8,6 +8,7 @@ from parflex.base.array import Array
 from parflex.compiled import ALL_BACKENDS, choose
 from parflex.kernels import models as kernels
 from parflex.mechanics.output import FrameOutput
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robots import gough_stewart
 
@@ -28,17 +29,17 @@ def examine() -> list[Check]:
     robot = gough_stewart(modes=3)
     reference = Model(robot, "numpy")
     state, forces = reference.equilibrium(*robot.home_pose)
-    x = reference.flat(state)
-    x[7:13] = 0.1
-    w = np.zeros(9)
+    core = core_of(reference)
+    x = core.flat(state)
+    x[core.mechanism.layout.at.twist] = 0.1
     lines = [Check("fastest backend", choose("auto").version(), True)]
-    expected = reference.function(kernels.direct)(x, forces, w)
+    expected = core.functions(kernels.direct)(x=x, forces=forces)
     for name in ALL_BACKENDS:
-        model = Model(robot, name)
-        found = model.function(kernels.direct)(x, forces, w)
-        error = max(relative(a, b) for a, b in zip(found, expected, strict=True))
+        functions = core_of(Model(robot, name)).functions
+        found = functions(kernels.direct)(x=x, forces=forces)
+        error = max(relative(found[key], value) for key, value in expected.items())
         lines.append(Check(f'"{name}" against NumPy, direct model', f"{error:.1e}", error <= AGREEMENT))
-        again = model.function(kernels.inverse, FrameOutput())(x, found[0], w, 0 * forces)[0]
+        again = functions(kernels.inverse, FrameOutput())(x=x, target=found["platform"])["forces"]
         error = relative(again, forces)
         lines.append(Check(f'"{name}" inverse after direct', f"{error:.1e}", error <= IDENTITY))
     return lines

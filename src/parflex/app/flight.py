@@ -8,6 +8,7 @@ import numpy as np
 
 from parflex.app.trajectory_file import Plan, planned_controller, start_of, trajectory_of
 from parflex.files.robot_file import RobotFile
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.simulation.result import Result
 from parflex.simulation.simulate import simulate
@@ -32,7 +33,7 @@ def fly(
     say("looking for the start")
     start = start_of(plan, model)
     way = trajectory_of(plan, start.state)
-    say(f"compiling the models ({model.backend.version()})")
+    say(f"compiling the models ({core_of(model).functions.backend.version()})")
     controller = planned_controller(plan, model, start, way)
     say(f"flying the trajectory ({way.duration:.4g} s)")
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))

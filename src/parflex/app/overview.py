@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.mechanics.mechanism import mechanism_of
 from parflex.robot.joint_words import joint_value
 from parflex.robot.robot import Robot
 from parflex.robot.words import frequencies, listed
@@ -21,7 +22,8 @@ Rows = list[tuple[str, ...]]
 
 def leg_rows(file: "RobotFile") -> Rows:
     """The legs: chain, joints with a star where there is a motor, leg type, place, attachments, mass."""
-    kinds = {number: group.type.name for group in file.robot.groups for number in group.legs}
+    groups = mechanism_of(file.robot).groups
+    kinds = {number: group.type.name for group in groups for number in group.legs}
     rows: Rows = []
     for number, (leg, row) in enumerate(zip(file.robot.legs, file.table.leg, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.modes import Modes
 from parflex.robot.robot import Robot
@@ -55,7 +56,7 @@ def run(
     model = Model(robot, backend)
     way = trajectory(robot)
     start: State = robot.home if undeformed else model.equilibrium(*robot.home_pose)[0]
-    say(f"compiling the models ({model.backend.version()})")
+    say(f"compiling the models ({core_of(model).functions.backend.version()})")
     controller = ComputedTorque(model, way)
     count = round(way.duration / SAMPLE_TIME) + 1
     say(f"flying the trajectory ({way.duration:.1f} s)")

@@ -1,9 +1,9 @@
 """Solvers and loops that run on floats by LAPACK and on symbols unrolled."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -28,14 +28,15 @@ def contract(q: Array, tensor: Array) -> Array:
         return np.sum(row * q[..., None, :], axis=-1, keepdims=True)
 
     flat = np.zeros(q.shape[:-1] + table.shape[1:], dtype=object)
-    flat[..., used] = for_each(weighted, [transpose(table[:, used])], [q])[..., 0]
+    flat[..., used] = each(weighted, [transpose(table[:, used])], [q])[..., 0]
     return flat.reshape(q.shape[:-1] + shape)
 
 
-def for_each(function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array] = ()) -> Array:
-    """function(*rows, *shared) (…, R, m) for rows (…, R, n_i), each of which it treats alike, by itself.
+def each(function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array] = ()) -> Any:
+    """function(*rows, *shared) for rows (…, R, n_i), each of which it treats alike and by itself.
 
-    While symbols are traced whoever is in `looping` may trace it for one row, as the body of a loop.
+    The function gives an array (…, R, *shape), or a tree of them in tuples and lists, with all leading axes.
+    While symbols are traced, the recorder in `looping` may trace it for one row, as the body of a loop.
     """
     loop = recorder(*rows, *shared)
     single = all(math.prod(a.shape[:-2]) == 1 for a in rows)  # otherwise these are rows of rows
@@ -44,21 +45,36 @@ def for_each(function: Callable[..., Array], rows: Sequence[Array], shared: Sequ
     return loop(function, rows, shared)
 
 
+def leaves(tree: Any) -> list[Array]:
+    """The arrays of a tree, from left to right."""
+    return [tree] if isinstance(tree, np.ndarray) else [leaf for branch in tree for leaf in leaves(branch)]
+
+
+def regrown(tree: Any, found: Iterator[Array]) -> Any:
+    """A tree of the same form with other arrays."""
+    if isinstance(tree, np.ndarray):
+        return next(found)
+    branches = [regrown(branch, found) for branch in tree]
+    if hasattr(tree, "_fields"):
+        return type(tree)(*branches)
+    return type(tree)(branches)
+
+
 class Loops(Protocol):
-    """Traces a function for one of many rows."""
+    """A recorder traces a function for one of many rows."""
 
     lanes: int  # rows that share an instruction
 
     def __call__(
-        self, function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array]
-    ) -> Array: ...
+        self, function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array]
+    ) -> Any: ...
 
 
 looping: ContextVar[Loops | None] = ContextVar("looping", default=None)
 
 
 def recorder(*arrays: Array) -> Loops | None:
-    """Who records loops over arrays, of which some are of symbols."""
+    """The recorder of loops, where one listens and some of the arrays are of symbols."""
     return looping.get() if any(a.dtype == object for a in arrays) else None
 
 
@@ -111,11 +127,11 @@ def factored_in_blocks(a: Array, size: int) -> Array:
         part[j, j] = factored(part[j, j])
         scaled = {}  # blocks of L D
         for i in range(j + 1, len(blocks)):
-            both = for_each(below, [part[i, j]], [part[j, j]])
+            both = each(below, [part[i, j]], [part[j, j]])
             scaled[i], part[i, j] = both[..., :size], both[..., size:]
         for i in range(j + 1, len(blocks)):
             for k in range(j + 1, i + 1):
-                part[i, k] = for_each(without, [part[i, k], part[i, j]], [scaled[k]])
+                part[i, k] = each(without, [part[i, k], part[i, j]], [scaled[k]])
     order = range(len(blocks))
     return block([[part[i, j] if j <= i else transpose(part[j, i]) for j in order] for i in order])
 
@@ -142,7 +158,7 @@ def factored_solve(factor: Array, b: Array) -> Array:
         return lapack_solve(factor, b)
     if b.shape[-1] < FEW:
         return substituted(factor, b)
-    return transpose(for_each(lambda b, F: transpose(substituted(F, transpose(b))), [transpose(b)], [factor]))
+    return transpose(each(lambda b, F: transpose(substituted(F, transpose(b))), [transpose(b)], [factor]))
 
 
 def substituted(factor: Array, b: Array) -> Array:

@@ -1,38 +1,35 @@
-"""A parametrised function at given parameters."""
+"""A function some of whose inputs are given once and for all."""
 
-from collections.abc import Sequence
-
-import numpy as np
+from dataclasses import replace
 
 from parflex.base.array import Array
-from parflex.compiled.backend import Function, Trigger
-from parflex.kernels.kernel import Kernel
+from parflex.compiled.backend import Function, Given, Trigger, Workspace
+from parflex.kernels.kernel import Vectors
 
 
 class At(Function):
-    """A parametrised function at given θ (…, P), called like one that has none."""
+    """A function at given values of some inputs, such as the parameters, called like one without them."""
 
-    def __init__(self, function: Function, theta: Array) -> None:
-        self.function, self.theta, self.kernel = function, theta, fixed(function.kernel, theta)
+    def __init__(self, function: Function, **given: Array) -> None:
+        self.function, self.given = function, given
+        left = {name: n for name, n in function.kernel.inputs.items() if name not in given}
+        self.kernel = replace(function.kernel, inputs=left)
 
-    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
-        return self.function(*inputs, self.theta)
+    def __call__(self, **inputs: Array) -> Vectors:
+        return self.function(**inputs, **self.given)
 
-    def run(self, *inputs: Array) -> tuple[Array, ...]:
-        return self.function.run(*inputs, self.theta)
+    def run(self, **inputs: Array) -> Vectors:
+        return self.function.run(**inputs, **self.given)
 
-    def each(self, *inputs: Array) -> tuple[Array, ...]:
-        return self.function.each(*inputs, self.theta)
+    def each(self, **inputs: Array) -> Vectors:
+        return self.function.each(**inputs, **self.given)
 
-    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
-        return self.function.bind([*inputs, self.theta], outputs)
+    @property
+    def workspace(self) -> Workspace:
+        return self.function.workspace
 
+    def bind(self, inputs: Given, outputs: Given) -> Trigger:
+        return self.function.bind({**inputs, **self.given}, outputs)
 
-def fixed(whole: Kernel, theta: Array) -> Kernel:
-    """The kernel without its last input, which is θ (…, P)."""
-
-    def function(*inputs: Array) -> tuple[Array, ...]:
-        batch = np.broadcast_shapes(*(a.shape[:-1] for a in inputs))
-        return whole.function(*inputs, np.broadcast_to(theta, batch + theta.shape[-1:]))
-
-    return Kernel(whole.name, function, whole.inputs[:-1], whole.outputs, whole.subject)
+    def _rows(self, rows: list[Array]) -> list[Array]:
+        raise NotImplementedError("the function itself has the rows")

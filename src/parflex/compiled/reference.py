@@ -1,11 +1,9 @@
 """Backend "numpy": the mechanics itself, on float arrays; batches in one pass."""
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
+from parflex.compiled.backend import Backend, Function, Given, Trigger, in_order
 from parflex.kernels.kernel import Kernel
 
 
@@ -15,22 +13,21 @@ class NumpyFunction(Function):
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
 
-    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
-        batch, rows = flat_batch(self.kernel, inputs)
-        with np.errstate(divide="ignore", invalid="ignore"):  # a bad pose shows in the leg margins
-            found = self.kernel.function(*rows)
-        return tuple(
-            np.array(np.broadcast_to(a, rows[0].shape[:1] + (n,)), dtype=float).reshape(batch + (n,))
-            for a, n in zip(found, self.kernel.outputs, strict=True)
-        )
+    def _rows(self, rows: list[Array]) -> list[Array]:
+        with np.errstate(divide="ignore", invalid="ignore"):  # a bad pose shows in the legs' health
+            found = self.kernel.function(**dict(zip(self.kernel.inputs, rows, strict=True)))
+        return [
+            np.array(np.broadcast_to(found[name], (len(rows[0]), n)), dtype=float)
+            for name, n in self.kernel.outputs.items()
+        ]
 
-    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
-        given = [np.zeros(n) if a is None else a for a, n in zip(inputs, self.kernel.inputs, strict=True)]
+    def bind(self, inputs: Given, outputs: Given) -> Trigger:
+        given = in_order(self.kernel.inputs, inputs)
 
         def trigger() -> None:
-            for out, value in zip(outputs, self(*given), strict=True):
-                if out is not None:
-                    out[:] = value
+            found = dict(zip(self.kernel.outputs, self._rows([a[None] for a in given]), strict=True))
+            for name, out in outputs.items():
+                out[:] = found[name][0]
 
         return trigger
 

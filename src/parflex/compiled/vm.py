@@ -1,13 +1,11 @@
 """Backend "vm": kernels traced into CasADi graphs and run by its virtual machine."""
 
-from collections.abc import Sequence
-
 import casadi
 import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import NO_INERTIA, SingularPose
-from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
+from parflex.compiled.backend import Backend, Function, Given, Trigger
 from parflex.compiled.symbol import symbols, vector
 from parflex.kernels.kernel import Kernel
 
@@ -19,13 +17,16 @@ def trace(kernel: Kernel) -> casadi.Function:
 
 
 def traced(kernel: Kernel) -> tuple[list[casadi.SX], list[casadi.SX]]:
-    """The kernel itself, run on a batch of one state of symbols: inputs and outputs."""
-    inputs = [symbols(f"i{i}", size) for i, size in enumerate(kernel.inputs)]
+    """The kernel itself, run on a batch of one state of symbols: inputs and outputs.
+
+    Raises SingularPose where some link has no inertia at any state.
+    """
+    made = {name: symbols(name, size) for name, size in kernel.inputs.items()}
     try:
-        outputs = kernel.function(*(array[None] for _, array in inputs))
+        found = kernel.function(**{name: array[None] for name, (_, array) in made.items()})
     except ZeroDivisionError:  # a constant pivot of an inertia matrix
         raise SingularPose(f"at any state, {NO_INERTIA}") from None
-    return [sx for sx, _ in inputs], [vector(array) for array in outputs]
+    return [sx for sx, _ in made.values()], [vector(found[name]) for name in kernel.outputs]
 
 
 class VmFunction(Function):
@@ -35,28 +36,27 @@ class VmFunction(Function):
         self.kernel = kernel
         self.graph = trace(kernel)
 
-    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
-        batch, rows = flat_batch(self.kernel, inputs)
+    def _rows(self, rows: list[Array]) -> list[Array]:
         arguments, results, trigger = self.workspace
-        count = rows[0].shape[0]
-        found = [np.empty((count, n)) for n in self.kernel.outputs]
-        for i in range(count):
-            for argument, row in zip(arguments, rows, strict=True):
+        found = [np.empty((len(rows[0]), n)) for n in self.kernel.outputs.values()]
+        for i in range(len(rows[0])):
+            for argument, row in zip(arguments.values(), rows, strict=True):
                 argument[:] = row[i]
             trigger()
-            for store, result in zip(found, results, strict=True):
+            for store, result in zip(found, results.values(), strict=True):
                 store[i] = result
-        return tuple(a.reshape(batch + a.shape[1:]) for a in found)
+        return found
 
-    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
+    def bind(self, inputs: Given, outputs: Given) -> Trigger:
         buffer, run = self.graph.buffer()
-        for i, a in enumerate(inputs):
-            if a is not None and a.size:
-                buffer.set_arg(i, a.data)
-        for i, a in enumerate(outputs):
-            if a is not None and a.size:
-                buffer.set_res(i, a.data)
-        kept = (buffer, tuple(inputs), tuple(outputs))
+        for given, names, put in (
+            (inputs, self.kernel.inputs, buffer.set_arg),
+            (outputs, self.kernel.outputs, buffer.set_res),
+        ):
+            for i, name in enumerate(names):
+                if name in given and given[name].size:
+                    put(i, given[name].data)
+        kept = (buffer, tuple(inputs.values()), tuple(outputs.values()))
 
         def trigger(_kept: object = kept) -> None:
             run()

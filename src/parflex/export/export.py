@@ -15,9 +15,10 @@ from parflex.export.cases import cases, home
 from parflex.export.code import Body, body
 from parflex.export.interface import OPTIONAL, Routine, routines
 from parflex.export.text import FILES, MARK, Export, texts
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.redundancy import solvable
 from parflex.model.model import Model
-from parflex.robot.layout import unpack
 from parflex.robot.robot import Robot
 
 BUILT = ("model.o", "test_model", "test_model.o", "test_model.exe")  # left by compilers
@@ -47,16 +48,16 @@ def export_c(
     check_folder(folder, force)
     output = FrameOutput() if output is None else output
     check_output(robot, output)
-    return write(folder, texts(gathered(robot, output, prefix)))
+    return write(folder, texts(gathered(solvable(robot), output, prefix)))
 
 
-def gathered(robot: Robot, output: Output, prefix: str) -> Export:
+def gathered(mechanism: Mechanism, output: Output, prefix: str) -> Export:
     """The functions, traced, and what the NumPy reference makes of some inputs."""
-    every = routines(robot, output)
+    every = routines(mechanism, output)
     bodies = tuple(coded(routine) for routine in every)
     with waiting("computing the cases of the self-test"):
-        compared = tuple(cases(robot, routine) for routine in every)
-    return Export(robot, output, every, bodies, compared, home(robot), prefix)
+        compared = tuple(cases(mechanism, routine) for routine in every)
+    return Export(mechanism, output, every, bodies, compared, home(mechanism), prefix)
 
 
 def coded(routine: Routine) -> Body:
@@ -110,7 +111,7 @@ def check_output(robot: Robot, output: Output) -> None:
     """Raise InputError, SingularPose where the inverse model has no answer at home."""
     model = Model(robot, "numpy")
     size = output.size if isinstance(output, Output) else 0
-    model.inverse(unpack(home(robot), robot.layout), np.zeros(size), output)
+    model.inverse(model.project(robot.home), np.zeros(size), output)
 
 
 def write(folder: Path, found: dict[str, str]) -> tuple[Path, ...]:

@@ -1,6 +1,6 @@
 """Functions in C: prototypes, bodies, and the tests that call them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from textwrap import fill
 
 import numpy as np
@@ -78,14 +78,14 @@ def number_lines(row: Array, spaces: int) -> str:
 def tested(prefix: str, routine: Routine, cases: tuple[Array, Array]) -> str:
     """A test of one function: its tables, and a comparison of every output in all cases."""
     kernel, (inputs, outputs) = routine.kernel, cases
-    name, width = kernel.name, outputs.shape[1]
-    given = [f"given + {start}" for start in starts(kernel.inputs)]
-    taken = [f"found[k] + {start}" for start in starts(kernel.outputs)]
+    name, width, sizes = kernel.name, outputs.shape[1], list(kernel.outputs.values())
+    given = [f"given + {start}" for start in starts(kernel.inputs.values())]
+    taken = [f"found[k] + {start}" for start in starts(kernel.outputs.values())]
     call = folded(", ".join(given + taken), *2 * (" " * 12,))
     compared = [
         f'    failed += differs("{name}: {array}", found[0] + {at}, {name}_outputs[0] + {at}, '
         f"{width}, {size});"
-        for array, at, size in zip(routine.outputs, starts(kernel.outputs), kernel.outputs, strict=True)
+        for array, at, size in zip(routine.outputs, starts(sizes), sizes, strict=True)
         if size
     ]
     tables = matrix(f"{name}_inputs", inputs) + matrix(f"{name}_outputs", outputs)
@@ -111,7 +111,7 @@ static int test_{name}(void)
 """
 
 
-def starts(sizes: Sequence[int]) -> list[int]:
+def starts(sizes: Iterable[int]) -> list[int]:
     """Where arrays begin that lie one behind the other."""
     return np.cumsum([0, *sizes])[:-1].tolist()
 

@@ -1,10 +1,10 @@
 """What every entry of the exported arrays is: rows (entries, words) for the header and the README."""
 
 from parflex.export.interface import tips
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output, PointOutput
 from parflex.robot.joint_words import driven
 from parflex.robot.leg import Joint
-from parflex.robot.robot import Robot
 
 Rows = list[tuple[str, str]]
 
@@ -23,21 +23,15 @@ MACROS = {  # names of lengths, and the arrays that have them
 COMPONENTS = ("x", "y", "z", "about x", "about y", "about z")
 
 
-def state_parts(robot: Robot) -> dict[str, tuple[int, int]]:
+def state_parts(mechanism: Mechanism) -> dict[str, tuple[int, int]]:
     """Where the parts of the state begin, and how long they are."""
-    N, n = robot.platform.modes, robot.layout.carried
-    counts = {"POSITION": 3, "QUATERNION": 4, "TWIST": 6, "ELASTIC": N, "ELASTIC_RATE": N}
-    counts |= {"JOINTS": n, "JOINT_RATES": n}
-    found, start = {}, 0
-    for name, count in counts.items():
-        found[name] = start, count
-        start += count
-    return found
+    at = mechanism.layout.at._asdict()
+    return {name.upper(): (part.start, part.stop - part.start) for name, part in at.items()}
 
 
-def state(robot: Robot) -> Rows:
+def state(mechanism: Mechanism) -> Rows:
     """The entries of x."""
-    at = state_parts(robot)
+    at = state_parts(mechanism)
     modes, joints, rates = at["ELASTIC"], at["JOINTS"][0], at["JOINT_RATES"][0]
     rows = [
         span("x", 0, 3, "position of the platform's origin, in world axes, m"),
@@ -47,26 +41,29 @@ def state(robot: Robot) -> Rows:
         span("x", *modes, "modal coordinates q_e of the platform, kg^1/2 m"),
         span("x", *at["ELASTIC_RATE"], "their rates, kg^1/2 m/s"),
     ]
-    for number, (leg, count) in enumerate(zip(robot.legs, robot.layout.joints, strict=True), start=1):
+    legs = zip(mechanism.robot.legs, mechanism.layout.joints, strict=True)
+    for number, (leg, count) in enumerate(legs, start=1):
         units = ", ".join(unit(joint, "rad", "m") for joint in leg.joints)
         rows.append(span("x", joints, count, f"joints of leg {number}: {units}"))
         rows.append(span("x", rates, count, f"their rates, joints of leg {number}"))
         joints, rates = joints + count, rates + count
+    for i, bent in enumerate(mechanism.layout.branched):
+        rows.append((f"x[{at['BRANCHES'][0] + i}]", f"assembly branch of leg {bent + 1}, +1 or -1"))
     return [row for row in rows if row[0]]
 
 
-def actuators(robot: Robot) -> Rows:
+def actuators(mechanism: Mechanism) -> Rows:
     """The entries of u."""
     return [
         (f"u[{k}]", f"leg {number}, joint {j}: {unit(joint, 'N m', 'N')}")
-        for k, (number, j, joint) in enumerate(driven(robot))
+        for k, (number, j, joint) in enumerate(driven(mechanism.robot))
     ]
 
 
-def inputs(robot: Robot, output: Output) -> Rows:
+def inputs(mechanism: Mechanism, output: Output) -> Rows:
     """All inputs."""
-    N = robot.platform.modes
-    rows = [*state(robot), *actuators(robot)]
+    N = mechanism.platform.modes
+    rows = [*state(mechanism), *actuators(mechanism)]
     rows += [
         span("w", 0, 3, "force of loads on the platform, N; w NULL: no loads"),
         span("w", 3, 3, "their moment about the platform's origin, N m"),
@@ -74,7 +71,7 @@ def inputs(robot: Robot, output: Output) -> Rows:
             "w", 6, N, "their modal forces, Phi^T F for a force F where the modes have the shapes Phi (3 x N)"
         ),
         span("target", 0, output.size, target(output)),
-        span("preload", 0, robot.n_forces, "forces that u is to be near to, units as in u; NULL: zero"),
+        span("preload", 0, mechanism.n_forces, "forces that u is to be near to, units as in u; NULL: zero"),
     ]
     return [row for row in rows if row[0]]
 
@@ -88,9 +85,9 @@ def target(output: Output) -> str:
     return f"acceleration of {where}, in platform axes, m/s^2 or rad/s^2: {rows}"
 
 
-def outputs(robot: Robot, output: Output) -> Rows:
+def outputs(mechanism: Mechanism, output: Output) -> Rows:
     """All outputs but those that are laid out as inputs."""
-    m, parts = robot.n_forces, state_parts(robot)
+    m, parts = mechanism.n_forces, state_parts(mechanism)
     rows = [
         span("Vd", 0, 3, "acceleration of the platform's origin, m/s^2 (not the rate of x[7 .. 9])"),
         span("Vd", 3, 3, "angular acceleration, rad/s^2"),
@@ -98,7 +95,7 @@ def outputs(robot: Robot, output: Output) -> Rows:
     ]
     rows += [
         span("f", 3 * t, 3, f"force of leg {leg + 1} on the platform at attachment {held}, N")
-        for t, (leg, held) in enumerate(tips(robot))
+        for t, (leg, held) in enumerate(tips(mechanism.robot))
     ]
     rows += [
         (f"gain[{m} i + j]", "change of target[i] with u[j]; singular where no forces give the target"),
@@ -106,16 +103,15 @@ def outputs(robot: Robot, output: Output) -> Rows:
         span("powers", 0, 1, "power of the actuators, W"),
         span("powers", 1, 1, "power of the loads, W"),
         span("powers", 2, 1, "power lost by damping and friction, W"),
-        *health(robot),
+        *health(mechanism),
         ("projected", "state nearer to the closure, laid out as x"),
     ]
     return [row for row in rows if row[0]]
 
 
-def health(robot: Robot) -> Rows:
+def health(mechanism: Mechanism) -> Rows:
     """The entries of health."""
-    count = len(robot.legs)
-    gaps = sum(3 * group.attachments.size for group in robot.groups if not group.closed)
+    count, gaps = len(mechanism.legs), len(mechanism.health.gap_legs)
     tip_gap = "gap between each tip of the legs and its attachment, x y z, m; small on the closure"
     rows = [
         span("health", 0, count, "reach of each leg: of order 1, not positive beyond it"),

@@ -4,7 +4,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.mechanics.branches import turned
+from parflex.mechanics.flat_state import turned
 from parflex.model.model import Model
 from parflex.robot.leg import Leg
 from parflex.robot.robot import Robot

@@ -1,38 +1,83 @@
-"""What a kernel is: a function of flat vectors, with named sizes."""
+"""What a kernel is: a function of named flat vectors, which every backend can run."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from inspect import signature
 from typing import Any
 
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.closure import flat_state
-from parflex.robot.robot import Robot
+from parflex.mechanics.flat_state import flat_state
+from parflex.mechanics.mechanism import Mechanism
+
+Vectors = dict[str, Array]
 
 
 @dataclass(frozen=True)
 class Kernel:
-    """A function of flat vectors (…, n_i), with the sizes of its inputs and outputs.
+    """A function of named flat vectors (…, n_i) that gives named flat vectors, with their lengths.
 
-    It is determined by its name and its subject, a robot and what else was chosen; the first input
-    is a flat state of the robot.
+    It is determined by its name and its subject, the robot and what else was chosen; the first input is `x`,
+    a flat state of the robot. Inputs that a caller does not give are zero.
     """
 
     name: str
-    function: Callable[..., tuple[Array, ...]]
-    inputs: tuple[int, ...]
-    outputs: tuple[int, ...]
-    subject: tuple[Any, ...]
+    function: Callable[..., Vectors]
+    inputs: Mapping[str, int]
+    outputs: Mapping[str, int]
+    mechanism: Mechanism
+    chosen: tuple[Any, ...] = ()
 
-    def probe(self, count: int) -> list[Array]:
+    @property
+    def subject(self) -> tuple[Any, ...]:
+        """The robot and what else determines the function."""
+        return (self.mechanism.robot, *self.chosen)
+
+    def probe(self, count: int) -> Vectors:
         """Inputs (count, n_i) near home, in motion, to try an implementation on."""
-        rng, robot = np.random.default_rng(0), self.subject[0]
-        home = flat_state(robot, robot.home)
-        x = home + np.where(np.arange(len(home)) < 7, 0.0, 1e-3) * rng.normal(size=(count, len(home)))
-        return [x, *(rng.normal(size=(count, n)) for n in self.inputs[1:])]
+        rng, mechanism = np.random.default_rng(0), self.mechanism
+        home, at = flat_state(mechanism, mechanism.robot.home), mechanism.layout.at
+        place = np.arange(len(home))
+        moving = (place >= at.twist.start) & (place < at.branches.start)
+        x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
+        return {"x": x} | {
+            name: rng.normal(size=(count, n)) for name, n in self.inputs.items() if name != "x"
+        }
 
 
-def sizes(robot: Robot) -> tuple[int, int, int, int]:
-    """Lengths of the flat state, the elastic coordinates, the forces and the contact forces."""
-    return robot.layout.size, robot.platform.modes, robot.n_forces, 3 * len(robot.tip_attachments)
+def kernel(
+    name: str,
+    function: Callable[..., Vectors],
+    mechanism: Mechanism,
+    outputs: Sequence[str],
+    chosen: tuple[Any, ...] = (),
+    **sizes: int,
+) -> Kernel:
+    """The kernel of a function whose parameters bear the names of its inputs.
+
+    Lengths are those of `lengths`, and `sizes` for names that only this kernel has.
+    """
+    known = lengths(mechanism) | sizes
+    inputs = {each: known[each] for each in signature(function).parameters}
+    return Kernel(name, function, inputs, {each: known[each] for each in outputs}, mechanism, chosen)
+
+
+def lengths(mechanism: Mechanism) -> dict[str, int]:
+    """The lengths of vectors that several kernels read or give."""
+    n, N, m = mechanism.layout.size, mechanism.platform.modes, mechanism.n_forces
+    return {
+        "x": n,  # the flat state
+        "forces": m,  # Γ of the actuators
+        "load": 6 + N,  # a generalised force on the platform
+        "time": 1,
+        "preload": m,  # forces that Γ is to be near to
+        "platform": 6,  # V̇_p
+        "elastic": N,  # q̈_e
+        "contact": 3 * len(mechanism.attachments),  # contact forces by leg and tip
+        "health": mechanism.health.size,  # as `system.health`
+        "rate": n,  # ẋ
+        "powers": 3,  # of actuators, of loads, and lost by damping and friction
+        "positions": m,  # q_a of the actuated joints
+        "rates": m,  # q̇_a
+    }

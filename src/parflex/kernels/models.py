@@ -1,77 +1,87 @@
-"""The models as functions of flat vectors: what every backend runs.
+"""The models as kernels.
 
-A state is x (layout.size), forces u (m), external generalised forces w (6 + N). Every kernel that
-assembles legs ends with their `health`, from which the doors tell a state that is none.
+Every kernel of an answer that exists at some states only gives the legs' `health` too, from which the doors
+tell a state that is none.
 """
 
 import numpy as np
 
 from parflex.base.array import Array, merged
-from parflex.kernels.kernel import Kernel, sizes
+from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import contact, dynamics
 from parflex.mechanics import system as assembly
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
-from parflex.robot.robot import Robot
 
 
-def direct(robot: Robot) -> Kernel:
-    """(x, u, w) -> V̇_p, q̈_e, contact forces by tip, health."""
-    n, N, m, k = sizes(robot)
+def direct(mechanism: Mechanism) -> Kernel:
+    """The direct dynamic model."""
 
-    def function(x: Array, u: Array, w: Array) -> tuple[Array, ...]:
-        system = assembly.assembled(robot, x)
-        return (*dynamics.direct_of(robot, system, u, w), assembly.health(system))
+    def function(x: Array, forces: Array, load: Array) -> Vectors:
+        system = assembly.assembled(mechanism, x)
+        return moved(system, dynamics.direct_of(system, forces, load))
 
-    return Kernel("direct", function, (n, m, 6 + N), (6, N, k, assembly.health_size(robot)), (robot,))
-
-
-def inverse(robot: Robot, output: Output) -> Kernel:
-    """(x, target, w, preload) -> Γ, V̇_p, q̈_e, contact forces by tip, gain (by rows), health."""
-    n, N, m, k = sizes(robot)
-
-    def function(x: Array, target: Array, w: Array, preload: Array) -> tuple[Array, ...]:
-        system = assembly.assembled(robot, x)
-        found = dynamics.inverse_of(robot, system, target, w, output, preload)
-        return (found.forces, *found.acceleration, merged(found.gain), assembly.health(system))
-
-    return Kernel(
-        "inverse",
-        function,
-        (n, output.size, 6 + N, m),
-        (m, 6, N, k, output.size * m, assembly.health_size(robot)),
-        (robot, output),
-    )
+    return kernel("direct", function, mechanism, ANSWER)
 
 
-def gains(robot: Robot, output: Output) -> Kernel:
-    """x -> ∂output/∂Γ by rows, as it is and as it were for a platform that does not bend."""
-    n, _, m, _ = sizes(robot)
-
-    def function(x: Array) -> tuple[Array, ...]:
-        flexible, rigid = dynamics.gains(robot, assembly.assembled(robot, x), output)
-        return merged(flexible), merged(rigid)
-
-    return Kernel("gains", function, (n,), (output.size * m, output.size * m), (robot, output))
+ANSWER = ("platform", "elastic", "contact", "health")
 
 
-def contact_matrix(robot: Robot) -> Kernel:
-    """x -> the contact system's matrix, its independent rows: definite where the legs do not lock."""
-    n, N, _, _ = sizes(robot)
-    kept = robot.rows.kept
+def moved(system: assembly.System, found: dynamics.Acceleration) -> Vectors:
+    """Accelerations and contact forces, these in the order of the legs, and the legs' health."""
+    contact = found.contact[..., system.mechanism.contact_order]
+    return {
+        "platform": found.platform,
+        "elastic": found.elastic,
+        "contact": contact,
+        "health": assembly.health(system),
+    }
 
-    def function(x: Array) -> tuple[Array, ...]:
-        C = contact.contact_system(robot, assembly.assembled(robot, x), np.zeros(6 + N)).C
-        return (merged(C[..., kept, :][..., kept]),)
 
-    return Kernel("contact_matrix", function, (n,), (len(kept) ** 2,), (robot,))
+def inverse(mechanism: Mechanism, output: Output) -> Kernel:
+    """The inverse dynamic model, with its gain ∂output/∂Γ by rows."""
+
+    def function(x: Array, target: Array, load: Array, preload: Array) -> Vectors:
+        system = assembly.assembled(mechanism, x)
+        found = dynamics.inverse_of(system, target, load, output, preload)
+        answer = moved(system, found.acceleration)
+        return {"forces": found.forces, **answer, "gain": merged(found.gain)}
+
+    outputs = ("forces", *ANSWER[:-1], "gain", "health")
+    size = output.size
+    sizes = {"target": size, "gain": size * mechanism.n_forces}
+    return kernel("inverse", function, mechanism, outputs, (output,), **sizes)
 
 
-def actuators(robot: Robot) -> Kernel:
-    """x -> q_a and q̇_a, positions and rates of the actuated joints."""
-    n, _, m, _ = sizes(robot)
+def gains(mechanism: Mechanism, output: Output) -> Kernel:
+    """∂output/∂Γ by rows, as it is and as it were for a platform that does not bend."""
 
-    def function(x: Array) -> tuple[Array, ...]:
-        system = assembly.assembled(robot, x)
-        return assembly.actuated_positions(robot, system), assembly.joint_rates(robot, system)
+    def function(x: Array) -> Vectors:
+        flexible, rigid = dynamics.gains(assembly.assembled(mechanism, x), output)
+        return {"flexible": merged(flexible), "rigid": merged(rigid)}
 
-    return Kernel("actuators", function, (n,), (m, m), (robot,))
+    size = output.size * mechanism.n_forces
+    outputs = ("flexible", "rigid")
+    return kernel("gains", function, mechanism, outputs, (output,), flexible=size, rigid=size)
+
+
+def contact_matrix(mechanism: Mechanism) -> Kernel:
+    """The contact system's matrix, its independent rows: definite where the legs do not lock."""
+    kept = mechanism.solved_rows.kept
+
+    def function(x: Array) -> Vectors:
+        none = np.zeros(6 + mechanism.platform.modes)
+        C = contact.contact_system(assembly.assembled(mechanism, x), none).C
+        return {"matrix": merged(C[..., kept, :][..., kept])}
+
+    return kernel("contact_matrix", function, mechanism, ("matrix",), matrix=len(kept) ** 2)
+
+
+def actuators(mechanism: Mechanism) -> Kernel:
+    """Positions and rates of the actuated joints."""
+
+    def function(x: Array) -> Vectors:
+        system = assembly.assembled(mechanism, x)
+        return {"positions": assembly.actuated_positions(system), "rates": assembly.joint_rates(system)}
+
+    return kernel("actuators", function, mechanism, ("positions", "rates"))

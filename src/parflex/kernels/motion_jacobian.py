@@ -1,6 +1,6 @@
 """The derivative of the motion under a law: what an implicit integrator asks for.
 
-It is exact, by way of the small motions of `tangent.py`, for robots whose state carries no joints.
+It is exact, by way of the small motions of `Layout.motions`, for robots whose state carries no joints.
 """
 
 from collections.abc import Callable
@@ -10,12 +10,11 @@ import numpy as np
 from parflex.base.array import Array, block, merged, skew, stack
 from parflex.base.spatial import quaternion_rate
 from parflex.kernels.jacobians import load_of
-from parflex.kernels.kernel import Kernel, sizes
+from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import system as assembly
 from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.wrench import Place
-from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
+from parflex.robot.layout import Coordinates, Layout
 
 ForceChange = tuple[Array, Array]  # Γ (…, m), and its derivative (…, m, 12 + 2 N) by the small motions
 Drive = Callable[[assembly.System, Array, Array], ForceChange]  # of the system, time (…,) and row
@@ -23,44 +22,49 @@ Drive = Callable[[assembly.System, Array, Array], ForceChange]  # of the system,
 
 def motion_jacobian(motion: Kernel, places: tuple[Place, ...], drive: Drive) -> Kernel:
     """The kernel of ∂ẋ/∂x by rows; it reads what the motion reads, whose forces are those of `drive`."""
-    robot: Robot = motion.subject[0]
-    n = sizes(robot)[0]
+    mechanism = motion.mechanism
+    layout, n = mechanism.layout, mechanism.layout.size
 
-    def function(x: Array, t: Array, row: Array, w: Array, pushes: Array) -> tuple[Array, ...]:
-        system, load = assembly.assembled(robot, x), load_of(robot, places, w, pushes)
-        u, by_motion = drive(system, t[..., 0], row)
-        at = sensitivity.solved(robot, system, u, load(system.x))
-        accelerations = sensitivity.by_state(robot, system, at, load, at.JAS @ by_motion)
+    def function(x: Array, time: Array, row: Array, load: Array, pushes: Array) -> Vectors:
+        system, held = assembly.assembled(mechanism, x), load_of(mechanism, places, load, pushes)
+        forces, by_motion = drive(system, time[..., 0], row)
+        at = sensitivity.solved(system, forces, held(system.x))
+        accelerations = sensitivity.by_state(system, at, held, at.JAS @ by_motion)
         rates = [
             place_rate(system.x),
             accelerations[..., :6, :] - drift(system.x),
             bending_rate(system.x),
             accelerations[..., 6:, :],
         ]
-        place, *rest = (by_flat_state(x, rows) for rows in rates)
-        return (merged(block([[part] for part in (place, turn_rate(x), *rest)])),)
+        place, *rest = (by_flat_state(layout, x, rows) for rows in rates)
+        fixed = np.zeros((len(layout.branched), n))
+        return {"slopes": merged(block([[part] for part in (place, turn_rate(layout, x), *rest, fixed)]))}
 
-    return Kernel(f"{motion.name}_jacobian", function, motion.inputs, (n * n,), motion.subject)
+    name, sizes = f"{motion.name}_jacobian", {**motion.inputs, "slopes": n * n}
+    return kernel(name, function, mechanism, ("slopes",), motion.chosen, **sizes)
 
 
-def by_flat_state(x: Array, rows: Array) -> Array:
-    """Rows (…, r, 12 + 2 N) by the small motions, turned into rows (…, r, 13 + 2 N) by the flat state.
+def by_flat_state(layout: Layout, x: Array, rows: Array) -> Array:
+    """Rows (…, r, 12 + 2 N) by the small motions, turned into rows (…, r, size) by the flat state.
 
     δθ = 2 Im(q̄ δq) / |q|².
     """
-    w, v = x[..., 3:4], x[..., 4:7]
+    quaternion, motions = x[..., layout.at.quaternion], layout.motions
+    w, v = quaternion[..., :1], quaternion[..., 1:]
     turned = block([[-v[..., None], w[..., None] * np.eye(3) - skew(v)]])
-    length = np.sum(x[..., 3:7] * x[..., 3:7], axis=-1)
-    by_quaternion = rows[..., 3:6] @ (2.0 * turned / length[..., None, None])
-    return block([[rows[..., :3], by_quaternion, rows[..., 6:]]])
+    length = np.sum(quaternion * quaternion, axis=-1)
+    by_quaternion = rows[..., motions.rotation] @ (2.0 * turned / length[..., None, None])
+    fixed = np.zeros((rows.shape[-2], len(layout.branched)))
+    rest = rows[..., motions.velocity.start :]
+    return block([[rows[..., motions.position], by_quaternion, rest, fixed]])
 
 
-def turn_rate(x: Array) -> Array:
-    """∂ of the quaternion's rate (…, 4, 13 + 2 N)."""
-    quaternion, omega = x[..., 3:7], x[..., 10:13]
+def turn_rate(layout: Layout, x: Array) -> Array:
+    """∂ of the quaternion's rate (…, 4, size)."""
+    quaternion, omega = x[..., layout.at.quaternion], x[..., layout.at.twist][..., 3:]
     by_quaternion = stack([quaternion_rate(e, omega) for e in np.eye(4)])
     by_omega = stack([quaternion_rate(quaternion, e) for e in np.eye(3)])
-    still = np.zeros((4, x.shape[-1] - 13))
+    still = np.zeros((4, layout.size - layout.at.twist.stop))
     return block([[np.zeros((4, 3)), by_quaternion, np.zeros((4, 3)), by_omega, still]])
 
 
@@ -81,5 +85,5 @@ def drift(x: Coordinates) -> Array:
 
 def bending_rate(x: Coordinates) -> Array:
     """∂q̇_e (N, 12 + 2 N)."""
-    N = x.elastic.shape[-1]
-    return np.eye(12 + 2 * N)[12 + N :]
+    layout = Layout(x.elastic.shape[-1])
+    return np.eye(layout.motion_size)[layout.motions.elastic_rate]

@@ -1,14 +1,14 @@
-"""Kernels that take the robot's parameters θ (P,) as one more, last input; and such ones at given θ."""
+"""Kernels that read the robot's parameters θ (P,) as one more input, `theta`."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.kernels.kernel import Kernel
+from parflex.kernels.kernel import Kernel, Vectors
 from parflex.mechanics.designs import placed
+from parflex.mechanics.mechanism import Mechanism
 from parflex.robot.parameters import Parameters
 
 Build = Callable[..., Kernel]
@@ -16,48 +16,40 @@ Build = Callable[..., Kernel]
 
 @dataclass(frozen=True)
 class Parametrised(Kernel):
-    """A kernel whose last input is θ (…, P)."""
+    """A kernel one of whose inputs is θ (…, P), own those of the robot itself."""
 
-    own: Array  # θ of the robot itself
+    own: Array = ...  # type: ignore[assignment]
 
-    def probe(self, count: int) -> list[Array]:
-        """As of any kernel, with parameters near the robot's own."""
-        *inputs, _ = super().probe(count)
+    def probe(self, count: int) -> Vectors:
+        """Inputs as of any kernel, with parameters near the robot's own."""
         more = np.random.default_rng(1).uniform(0.0, 1e-2, (count, len(self.own)))
-        return [*inputs, self.own + more * np.where(self.own == 0, 0.1, self.own)]
+        theta = self.own + more * np.where(self.own == 0, 0.1, self.own)
+        return super().probe(count) | {"theta": theta}
 
 
-def parametrised(parameters: Parameters, build: Build, *chosen: object) -> Kernel:
-    """What `build` makes of the robot and of what else it takes, for any θ."""
-    plain = build(parameters.first, *chosen)
+def parametrised(parameters: Parameters, mechanism: Mechanism, build: Build, *chosen: object) -> Kernel:
+    """What `build` makes of the mechanism and of what else it takes, for any θ."""
 
-    def at(theta: Array) -> Callable[..., tuple[Array, ...]]:
-        return build(placed(parameters, theta), *chosen).function
+    def at(theta: Array) -> Callable[..., Vectors]:
+        return build(placed(parameters, mechanism, theta), *chosen).function
 
-    return for_any(parameters, plain, at)
+    return for_any(parameters, build(mechanism, *chosen), at)
 
 
-def for_any(parameters: Parameters, plain: Kernel, at: Callable[[Array], Callable[..., Any]]) -> Kernel:
+def for_any(parameters: Parameters, plain: Kernel, at: Callable[[Array], Callable[..., Vectors]]) -> Kernel:
     """The kernel whose function for θ (P,) is `at(θ)`, otherwise like a plain one."""
 
-    def function(*inputs: Array) -> tuple[Array, ...]:
-        *given, theta = inputs
+    def function(theta: Array, **given: Array) -> Vectors:
         if len(theta) == 1:
-            only: tuple[Array, ...] = at(theta[0])(*given)
-            return only
+            return at(theta[0])(**given)
         designs, which = np.unique(theta, axis=0, return_inverse=True)
-        found = [np.empty((len(theta), n)) for n in plain.outputs]
+        found = {name: np.empty((len(theta), n)) for name, n in plain.outputs.items()}
         for i, design in enumerate(designs):
             rows = which == i
-            for whole, part in zip(found, at(design)(*(a[rows] for a in given)), strict=True):
-                whole[rows] = part
-        return tuple(found)
+            for name, part in at(design)(**{key: a[rows] for key, a in given.items()}).items():
+                found[name][rows] = part
+        return found
 
-    return Parametrised(
-        plain.name,
-        function,
-        (*plain.inputs, parameters.size),
-        plain.outputs,
-        (*plain.subject, parameters.names),
-        parameters.own,
-    )
+    inputs = {**plain.inputs, "theta": parameters.size}
+    chosen = (*plain.chosen, parameters.names)
+    return Parametrised(plain.name, function, inputs, plain.outputs, plain.mechanism, chosen, parameters.own)

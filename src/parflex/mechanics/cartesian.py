@@ -12,9 +12,9 @@ from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, tra
 from parflex.base.errors import InputError
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import kinematics
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import LegTerms, System, actuated_axes, assemble, diagonal
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 
 
 class Cartesian(NamedTuple):
@@ -34,15 +34,15 @@ class Elastic(NamedTuple):
     Je_invT: Array  # (…, N, m)
 
 
-def cartesian(robot: Robot, x: Coordinates) -> tuple[Cartesian, Elastic]:
+def cartesian(mechanism: Mechanism, x: Coordinates) -> tuple[Cartesian, Elastic]:
     """The Cartesian dynamic model of the robot, and the elastic accelerations that go with it."""
-    system = assemble(robot, x)
+    system = assemble(mechanism, x)
     A_x, c_x = legs_at_tips(system)
     A_rr, A_re, c_r, c_e = system.platform
     W_p, W_e, h = system.W_p, system.W_e, kinematics.stacked(system.points.h)
-    Jp_invT, Je_invT = kinematics.actuator_jacobian(W_p, W_e, actuated_axes(robot, system))
+    Jp_invT, Je_invT = kinematics.actuator_jacobian(W_p, W_e, actuated_axes(system))
 
-    A_ee = robot.platform.m_ee + W_e @ A_x @ transpose(W_e)  # Eq. 45
+    A_ee = mechanism.platform.m_ee + W_e @ A_x @ transpose(W_e)  # Eq. 45
     A_er = transpose(A_re) + W_e @ A_x @ transpose(W_p)
     reaction = mv(A_x, h) + c_x  # Eqs. 39, 40 at rest
     c_t = mv(W_e, reaction) + c_e  # Eq. 42
@@ -54,16 +54,16 @@ def cartesian(robot: Robot, x: Coordinates) -> tuple[Cartesian, Elastic]:
     return Cartesian(A, c, Jsys_invT), Elastic(A_ee, A_er, c_t, Je_invT)
 
 
-def direct(robot: Robot, x: Coordinates, forces: Array) -> tuple[Array, Array]:
+def direct(mechanism: Mechanism, x: Coordinates, forces: Array) -> tuple[Array, Array]:
     """V̇_p (…, 6) and q̈_e (…, N) for given Γ (…, m)."""
-    form, elastic = cartesian(robot, x)
+    form, elastic = cartesian(mechanism, x)
     Vd = solve_definite(form.A, (mv(form.Jsys_invT, forces) - form.c)[..., None])[..., 0]  # Eq. 46
     return Vd, elastic_acceleration(elastic, Vd, forces)
 
 
-def inverse(robot: Robot, x: Coordinates, Vd: Array) -> tuple[Array, Array]:
+def inverse(mechanism: Mechanism, x: Coordinates, Vd: Array) -> tuple[Array, Array]:
     """Γ (…, 6) and q̈_e (…, N) for a wanted V̇_p (…, 6)."""
-    form, elastic = cartesian(robot, x)
+    form, elastic = cartesian(mechanism, x)
     forces = np.linalg.solve(form.Jsys_invT, (mv(form.A, Vd) + form.c)[..., None])[..., 0]
     return forces, elastic_acceleration(elastic, Vd, forces)
 

@@ -1,20 +1,17 @@
 """The contact system: what is left of the equations of legs, platform and closure when the accelerations
-are eliminated (`dynamics.py`), put together tip by tip.
+are eliminated (`dynamics.py`).
 """
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, split, transpose
-from parflex.base.unroll import factored, factored_solve, for_each, solve_definite
-from parflex.mechanics import kinematics
-from parflex.mechanics.legs.alike import leg_by_leg
+from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, transpose
+from parflex.base.unroll import factored, factored_solve, solve_definite
+from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import LegTerms, System, diagonal, selection
-from parflex.robot.body import FlexibleBody
-from parflex.robot.robot import Robot
 
 
 class MobileInertia(NamedTuple):
@@ -37,98 +34,40 @@ class Contact(NamedTuple):
     c_e: Array  # (…, N)
 
 
-def contact_system(robot: Robot, system: System, wrench: Array) -> Contact:
+def contact_system(system: System, wrench: Array) -> Contact:
     """The system at a state, under a generalised force (…, 6 + N)."""
-    body, (A_rr, A_re, c_r, c_e) = robot.platform, system.platform
+    solve, (A_rr, A_re, c_r, c_e) = system.mechanism.platform.modal_solve, system.platform
     c_r, c_e = c_r - wrench[..., :6], c_e - wrench[..., 6:]
-    E = transpose(body.modal_solve(transpose(A_re)))
+    E = transpose(solve(transpose(A_re)))
     A_s, c_s = factored(A_rr - E @ transpose(A_re)), c_r - mv(E, c_e)
-    a_r = factored_solve(A_s, c_s[..., None])[..., 0]
-    a_e = body.modal_solve(c_e[..., None])[..., 0]
-
-    contacts = [leg_contacts(leg) for leg in system.legs]
-    JAS = diagonal([block_diagonal(driven) for _, driven, _ in contacts])[..., robot.force_order]
-    drift = join([np.zeros(0), *(merged(drift) for *_, drift in contacts)])
-    rows = [system.points.r, kinematics.unstacked(drift) - system.points.h, merged(system.shapes)]
-    found = for_each(of_tips, rows, [E, A_s, a_r, a_e])
-    B, held, rhs = split(found, [(3, 6), (3, 6), (3,)])
-
-    own, mates = compliances([compliance for compliance, *_ in contacts])
-    bending = transpose(body.modal_solve(system.W_e)) @ system.W_e
-    between = bending.reshape((*bending.shape[:-2], len(mates), 9 * len(mates)))
-    parts = [merged(own), merged(mates), between, merged(B)]
-    found = for_each(contact_rows, parts, [stacked(held)])
-    C, legs = split(found, [(3, 3 * len(mates))] * 2)
-    inertia = MobileInertia(E, A_s, transpose(stacked(B)))
-    return Contact(inertia, stacked(C), stacked(legs), merged(rhs), JAS, c_s, c_e)
+    B = system.W_p - E @ system.W_e
+    legs = [leg_contacts(leg) for leg in system.legs]
+    compliance = diagonal([block_diagonal(leg.compliance) for leg in legs])
+    JAS = diagonal([block_diagonal(leg.driven) for leg in legs])[..., system.mechanism.force_order]
+    drift = join([np.zeros(0), *(merged(leg.drift) for leg in legs)])
+    solved = factored_solve(A_s, np.concatenate([B, c_s[..., None]], axis=-1))
+    C = transpose(B) @ solved[..., :-1] + transpose(system.W_e) @ solve(system.W_e) + compliance
+    rhs = drift - merged(system.points.h) + mtv(B, solved[..., -1])
+    rhs = rhs + mtv(system.W_e, solve(c_e[..., None])[..., 0])
+    return Contact(MobileInertia(E, A_s, B), C, compliance, rhs, JAS, c_s, c_e)
 
 
-def loaded(body: FlexibleBody, system: System, contact: Contact, wrench: Array) -> Contact:
+def loaded(contact: Contact, wrench: Array) -> Contact:
     """The same system under one more generalised force (…, 6 + N)."""
     E, A_s, B = contact.inertia
     w_e = wrench[..., 6:]
     w_s = wrench[..., :6] - mv(E, w_e)
     pushed = mtv(B, factored_solve(A_s, w_s[..., None])[..., 0])
-    pushed = pushed + mtv(system.W_e, body.modal_solve(w_e[..., None])[..., 0])
     return contact._replace(rhs=contact.rhs - pushed, c_s=contact.c_s - w_s, c_e=contact.c_e - w_e)
 
 
-def of_tips(r: Array, rest: Array, shapes: Array, E: Array, A_s: Array, a_r: Array, a_e: Array) -> Array:
-    """Of tips at r (…, k, 3) the rows of Bᵀ and of (A_s⁻¹ B)ᵀ, each 3 × 6, and the right-hand side 3."""
-    Phi = shapes.reshape((*shapes.shape[:-1], 3, E.shape[-1]))
-    B = transpose(kinematics.tip_map(r)) - Phi @ transpose(E)[..., None, :, :]
-    held = transpose(factored_solve(A_s[..., None, :, :], transpose(B)))
-    rhs = rest + mv(B, a_r[..., None, :]) + mv(Phi, a_e[..., None, :])
-    return join([merged(B), merged(held), rhs])
-
-
-def contact_rows(own: Array, mates: Array, bending: Array, B: Array, held: Array) -> Array:
-    """Of tips (…, k) the rows of C, and the legs' part of them, each 3 × 3k.
-
-    own (…, k, 3 · 3s) are compliances with the tips of the same leg, mates (k, s · k) which those are.
-    """
-    tips, most = held.shape[-2] // 3, own.shape[-1] // 9
-    wide = own.reshape((*own.shape[:-1], 3, most, 1, 3))
-    where = mates.reshape((*mates.shape[:-1], 1, most, tips, 1))
-    legs = np.sum(wide * where, axis=-3)
-    legs = legs.reshape((*legs.shape[:-2], 3 * tips))
-    C = B.reshape((*B.shape[:-1], 3, 6)) @ transpose(held)[..., None, :, :]
-    C = C + bending.reshape((*bending.shape[:-1], 3, 3 * tips)) + legs
-    return join([merged(C), merged(legs)])
-
-
-def compliances(blocks: Sequence[Array]) -> tuple[Array, Array]:
-    """J A⁻¹ Jᵀ of groups of legs (…, L, 3t, 3t), tip by tip: (…, k, 3, 3s), with the s tips of the same leg;
-    and which those are, (k, s, k) of zeros and ones."""
-    most = max((block.shape[-1] // 3 for block in blocks), default=1)
-    count = sum(block.shape[-3] * block.shape[-1] // 3 for block in blocks)
-    own, mates, first = [np.zeros((0, 3, 3 * most))], np.zeros((count, most, count)), 0
-    for block in blocks:
-        legs, tips = block.shape[-3], block.shape[-1] // 3
-        rows = block.reshape((*block.shape[:-3], legs * tips, 3, 3 * tips))
-        none = np.zeros((*rows.shape[:-1], 3 * (most - tips)))
-        own.append(np.concatenate([rows, none], axis=-1))
-        for leg in range(legs):
-            its = first + leg * tips + np.arange(tips)
-            mates[its[:, None], np.arange(tips), its] = 1.0
-        first += legs * tips
-    batch = np.broadcast_shapes(*(part.shape[:-3] for part in own))
-    wide = [np.broadcast_to(part, batch + part.shape[-3:]) for part in own]
-    return np.concatenate(wide, axis=-3), mates
-
-
-def stacked(rows: Array) -> Array:
-    """(…, k, 3, c) as (…, 3k, c)."""
-    return rows.reshape((*rows.shape[:-3], 3 * rows.shape[-3], rows.shape[-1]))
-
-
-def contact_forces(robot: Robot, C: Array, columns: Array) -> Array:
+def contact_forces(mechanism: Mechanism, C: Array, columns: Array) -> Array:
     """f (…, 3k, c) with C f = columns (…, 3k, c): of least norm where rows depend on others.
 
     Dependent rows are D times the independent ones, D = C_ds C_ss⁻¹, so that (f_s, f_d) acts as
     f_s + Dᵀ f_d; the shortest pair with the same action has f_d = D f_s.
     """
-    kept, dropped, order = robot.rows
+    kept, dropped, order = mechanism.solved_rows
     if not len(dropped):
         return solve_definite(C, columns, 3)  # axis by axis the tips are alike
     C_s = C[..., kept, :]
@@ -141,15 +80,23 @@ def contact_forces(robot: Robot, C: Array, columns: Array) -> Array:
     return np.concatenate([f, D @ f], axis=-2)[..., order, :]
 
 
-def leg_contacts(leg: LegTerms) -> list[Array]:
-    """J A⁻¹ Jᵀ (…, L, 3t, 3t), J A⁻¹ S (…, L, 3t, a) and J̇q̇ − J A⁻¹ c (…, L, 3t) of the legs of a group."""
+class LegContacts(NamedTuple):
+    """The part of the legs of a group in the contact system."""
+
+    compliance: Array  # J A⁻¹ Jᵀ (…, L, 3t, 3t)
+    driven: Array  # J A⁻¹ S (…, L, 3t, a)
+    drift: Array  # J̇q̇ − J A⁻¹ c (…, L, 3t)
+
+
+def leg_contacts(leg: LegTerms) -> LegContacts:
+    """The legs of a group seen from their tips."""
     S, (contacts, n) = selection(leg.group), leg.J.shape[-2:]
 
-    def solved(group: LegGroup, A: Array, J: Array, c: Array, Jdqd: Array) -> list[Array]:
+    def solved(group: LegGroup, A: Array, J: Array, c: Array, Jdqd: Array) -> LegContacts:
         A, J = A.reshape(A.shape[:-1] + (n, n)), J.reshape(J.shape[:-1] + (contacts, n))
         columns = np.concatenate([transpose(J), np.broadcast_to(S, A.shape[:-2] + S.shape), c[..., None]], -1)
         found = J @ solve_definite(A, columns)
-        return [found[..., :contacts], found[..., contacts:-1], Jdqd - found[..., -1]]
+        return LegContacts(found[..., :contacts], found[..., contacts:-1], Jdqd - found[..., -1])
 
-    shapes = [(contacts, contacts), (contacts, S.shape[-1]), (contacts,)]
-    return leg_by_leg(leg.group, solved, [merged(leg.A), merged(leg.J), leg.c, leg.Jdqd], [], shapes)
+    found: LegContacts = each_leg(leg.group, solved, [merged(leg.A), merged(leg.J), leg.c, leg.Jdqd])
+    return found

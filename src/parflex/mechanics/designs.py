@@ -4,7 +4,6 @@ The values are those of named parameters (`parameters.py`): numbers, or symbols 
 """
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import replace
 from typing import Any
 
@@ -13,6 +12,8 @@ import numpy as np
 from parflex.base.array import Array, without_roundoff
 from parflex.base.unroll import solve_definite
 from parflex.mechanics.legs import LegGroup
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.platform import Platform
 from parflex.robot.body import FlexibleBody
 from parflex.robot.modal import diagonals, modal_masses
 from parflex.robot.moments import with_point
@@ -43,28 +44,17 @@ def rebuilt(parameters: Parameters, theta: Array) -> Robot:
     return replace(robot, legs=tuple(legs), platform=body, **gravity_in(values))
 
 
-def placed(parameters: Parameters, theta: Array) -> Robot:
-    """The robot for the mechanics alone, with θ (P,) in its tables; nothing is checked.
-
-    What does not depend on θ, geometry above all, it shares with the first robot.
-    """
-    robot, values = parameters.first, parameters.split(theta)
-    groups = tuple(retabled(group, values) for group in robot.groups)
-    tables = {"groups": groups, "platform": laden(robot.platform, values), "rows": robot.rows}
-    found: Robot = altered(robot, tables | gravity_in(values))
-    return found
+def placed(parameters: Parameters, mechanism: Mechanism, theta: Array) -> Mechanism:
+    """The mechanism with θ (P,) in its tables; nothing is checked, and geometry does not change."""
+    values = parameters.split(theta)
+    groups = tuple(retabled(group, values) for group in mechanism.groups)
+    platform = laden(mechanism.platform, values)
+    return replace(mechanism, groups=groups, platform=platform, **gravity_in(values))
 
 
 def gravity_in(values: Values) -> dict[str, Any]:
     """Gravity, where it is among the values."""
     return {item.field: value for item, value in values if item.field == "gravity"}
-
-
-def altered(thing: Any, attributes: dict[str, Any]) -> Any:
-    """A copy with other attributes, cached ones among them; nothing is checked."""
-    other = copy(thing)
-    other.__dict__.update(attributes)
-    return other
 
 
 def retabled(group: LegGroup, values: Values) -> LegGroup:
@@ -89,32 +79,33 @@ def modal_changes(body: FlexibleBody, values: Values) -> dict[str, Any]:
     return {"stiffness": stiffness, "damping": damping}
 
 
-def laden(body: FlexibleBody, values: Values) -> FlexibleBody:
-    """A body with values in its tables, and payloads on its nodes."""
-    found: FlexibleBody = altered(body, modal_changes(body, values))
+def laden(platform: Platform, values: Values) -> Platform:
+    """A platform with values in its tables, and payloads on its nodes."""
+    found = replace(platform, **modal_changes(platform.body, values))
     for item, value in values:
         if item.field == "payload":
             found = carrying(found, value[()], item.number)
     return found
 
 
-def carrying(body: FlexibleBody, mass: Any, node: int) -> FlexibleBody:
-    """A body with a point mass m on a node, where the displacement is u = Φᵀ q_e, Φ (N, 3).
+def carrying(platform: Platform, mass: Any, node: int) -> Platform:
+    """A platform with a point mass m on a node, where the displacement is u = Φᵀ q_e, Φ (N, 3).
 
     (m_ee + m Φ Φᵀ)⁻¹ = m_ee⁻¹ − Z (1 + m Φᵀ Z)⁻¹ m Zᵀ with Z = m_ee⁻¹ Φ, which has no difficulty where
     m is zero.
     """
-    Phi = without_roundoff(body.shapes)[:, node]
-    Z = body.modal_solve(Phi)
+    Phi = without_roundoff(platform.body.shapes)[:, node]
+    Z = platform.modal_solve(Phi)
     held = np.eye(3) + mass * (Phi.T @ Z).reshape(1, 3, 3)
 
     def modal_solve(loads: Array) -> Array:
-        free = body.modal_solve(loads)
+        free = platform.modal_solve(loads)
         return free - Z @ solve_definite(held, mass * (Phi.T @ free))
 
-    tables = with_point(body.tables, mass, without_roundoff(body.nodes)[node], Phi)
-    m_ee = body.m_ee + mass * (Phi @ Phi.T)
-    inverse = modal_solve(np.eye(body.modes))[0]
-    return altered(
-        body, {"tables": tables, "m_ee": m_ee, "m_ee_inverse": inverse, "modal_solve": modal_solve}
+    return replace(
+        platform,
+        moments=with_point(platform.moments, mass, without_roundoff(platform.body.nodes)[node], Phi),
+        m_ee=platform.m_ee + mass * (Phi @ Phi.T),
+        m_ee_inverse=modal_solve(np.eye(platform.modes))[0],
+        modal_solve=modal_solve,
     )

@@ -16,13 +16,12 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, mtv, mv, stack, transpose
-from parflex.base.unroll import factored_solve, for_each, solve_definite, solve_least_norm
+from parflex.base.unroll import each, factored_solve, solve_definite, solve_least_norm
 from parflex.mechanics.contact import Contact, contact_forces, contact_system, loaded
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import System, assemble
-from parflex.robot.body import FlexibleBody
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 
 
 class Acceleration(NamedTuple):
@@ -41,24 +40,29 @@ class Inverse(NamedTuple):
     gain: Array
 
 
-def direct(robot: Robot, x: Coordinates, forces: Array, wrench: Array) -> Acceleration:
+def direct(mechanism: Mechanism, x: Coordinates, forces: Array, wrench: Array) -> Acceleration:
     """The direct dynamic model: accelerations and contact forces for given Γ (…, m).
 
     wrench (…, 6 + N) is the generalised force of external loads.
     """
-    return direct_of(robot, assemble(robot, x), forces, wrench)
+    return direct_of(assemble(mechanism, x), forces, wrench)
 
 
-def direct_of(robot: Robot, system: System, forces: Array, wrench: Array) -> Acceleration:
+def direct_of(system: System, forces: Array, wrench: Array) -> Acceleration:
     """The direct model of an assembled system."""
-    contact = contact_system(robot, system, wrench)
+    contact = contact_system(system, wrench)
     rhs = contact.rhs + mv(contact.JAS, forces)
-    f = contact_forces(robot, contact.C, rhs[..., None])[..., 0]
-    return accelerations(robot.platform, system, contact, f)
+    f = contact_forces(system.mechanism, contact.C, rhs[..., None])[..., 0]
+    return accelerations(system, contact, f)
 
 
 def inverse(
-    robot: Robot, x: Coordinates, target: Array, wrench: Array, output: Output, preload: Array | None = None
+    mechanism: Mechanism,
+    x: Coordinates,
+    target: Array,
+    wrench: Array,
+    output: Output,
+    preload: Array | None = None,
 ) -> Inverse:
     """The inverse dynamic model: Γ for a wanted output acceleration (…, o).
 
@@ -66,12 +70,11 @@ def inverse(
     to the output is then solved. Where there are more actuators than outputs Γ is the nearest to
     `preload` (…, m), by default the shortest.
     """
-    preload = np.zeros(robot.n_forces) if preload is None else preload
-    return inverse_of(robot, assemble(robot, x), target, wrench, output, preload)
+    preload = np.zeros(mechanism.n_forces) if preload is None else preload
+    return inverse_of(assemble(mechanism, x), target, wrench, output, preload)
 
 
 def inverse_of(
-    robot: Robot,
     system: System,
     target: Array,
     wrench: Array,
@@ -80,48 +83,48 @@ def inverse_of(
     unforeseen: Array | None = None,
 ) -> Inverse:
     """The inverse model of an assembled system; accelerations are those under one more load, unforeseen."""
-    body, x = robot.platform, system.x
-    contact = contact_system(robot, system, wrench)
-    actual = contact if unforeseen is None else loaded(body, system, contact, unforeseen)
+    body, x = system.mechanism.platform.body, system.x
+    contact = contact_system(system, wrench)
+    actual = contact if unforeseen is None else loaded(contact, unforeseen)
     columns = np.concatenate([stack([contact.rhs, actual.rhs]), contact.JAS], axis=-1)
-    f = contact_forces(robot, contact.C, columns)
+    f = contact_forces(system.mechanism, contact.C, columns)
     f_0, f_1, F = f[..., 0], f[..., 1], f[..., 2:]
-    free = accelerations(body, system, contact, f_0)
-    gain = output.linear(body, x, *acceleration_map(body, system, contact, F))
+    free = accelerations(system, contact, f_0)
+    gain = output.linear(body, x, *acceleration_map(system, contact, F))
     reached = output.linear(body, x, free.platform[..., None], free.elastic[..., None])[..., 0]
     reached = reached + output.drift(body, x) + mv(gain, preload)
     forces = preload + solve_least_norm(gain, target - reached)
-    driven = accelerations(body, system, actual, f_1 + mv(F, forces))
+    driven = accelerations(system, actual, f_1 + mv(F, forces))
     return Inverse(forces, driven, gain)
 
 
-def gains(robot: Robot, system: System, output: Output) -> tuple[Array, Array]:
+def gains(system: System, output: Output) -> tuple[Array, Array]:
     """∂output/∂Γ (…, o, m), and what it would be if the platform could not bend."""
-    contact = contact_system(robot, system, np.zeros(6 + robot.platform.modes))
-    F = contact_forces(robot, contact.C, contact.JAS)
-    body = robot.platform
-    flexible = output.linear(body, system.x, *acceleration_map(body, system, contact, F))
+    contact = contact_system(system, np.zeros(6 + system.mechanism.platform.modes))
+    F = contact_forces(system.mechanism, contact.C, contact.JAS)
+    body = system.mechanism.platform.body
+    flexible = output.linear(body, system.x, *acceleration_map(system, contact, F))
     A_rr, W_p = system.platform.A_rr, system.W_p
     C = transpose(W_p) @ solve_definite(A_rr, W_p) + contact.compliance
-    Vd = solve_definite(A_rr, W_p @ contact_forces(robot, C, contact.JAS))
+    Vd = solve_definite(A_rr, W_p @ contact_forces(system.mechanism, C, contact.JAS))
     still = np.zeros(Vd.shape[:-2] + (body.modes, Vd.shape[-1]))
     return flexible, output.linear(body, system.x, Vd, still)
 
 
-def accelerations(body: FlexibleBody, system: System, contact: Contact, f: Array) -> Acceleration:
+def accelerations(system: System, contact: Contact, f: Array) -> Acceleration:
     """(V̇_p, q̈_e) = M_p⁻¹ (W f − c_p) for contact forces f (…, 3k)."""
     E, A_s, B = contact.inertia
     Vd = factored_solve(A_s, (mv(B, f) - contact.c_s)[..., None])[..., 0]
-    elastic = body.modal_solve((mv(system.W_e, f) - contact.c_e)[..., None])[..., 0]
+    elastic = system.mechanism.platform.modal_solve((mv(system.W_e, f) - contact.c_e)[..., None])[..., 0]
     return Acceleration(Vd, elastic - mtv(E, Vd), f)  # Eq. 43
 
 
-def acceleration_map(body: FlexibleBody, system: System, contact: Contact, F: Array) -> tuple[Array, Array]:
+def acceleration_map(system: System, contact: Contact, F: Array) -> tuple[Array, Array]:
     """The linear part of `accelerations` for columns of contact forces (…, 3k, c)."""
 
     def moved(F: Array, E: Array, A_s: Array, B: Array, soft: Array) -> Array:
         Vd = factored_solve(A_s, B @ transpose(F))
         return transpose(np.concatenate([Vd, soft @ transpose(F) - transpose(E) @ Vd], axis=-2))
 
-    both = for_each(moved, [transpose(F)], [*contact.inertia, body.modal_solve(system.W_e)])
+    both = each(moved, [transpose(F)], [*contact.inertia, system.mechanism.platform.modal_solve(system.W_e)])
     return transpose(both[..., :6]), transpose(both[..., 6:])

@@ -8,7 +8,6 @@ from parflex.base.array import Array, dot, mtv, mv
 from parflex.mechanics import chain
 from parflex.mechanics.platform import body_energies
 from parflex.mechanics.system import System
-from parflex.robot.robot import Robot
 
 
 class Energies(NamedTuple):
@@ -24,13 +23,13 @@ class Energies(NamedTuple):
     springs: Array
 
 
-def energies(robot: Robot, system: System) -> Energies:
+def energies(system: System) -> Energies:
     """The energies of a robot at a state or a batch of them."""
-    gravity, body, x = np.asarray(robot.gravity), robot.platform, system.x
-    kinetic, strain = body_energies(body, x.twist, x.elastic, x.elastic_rate)
-    moment = body.tables.MS0 + mv(body.tables.S, x.elastic)
-    weight = -dot(gravity, body.tables.m * x.position + mv(x.rotation, moment))
-    springs = np.zeros(())
+    gravity, platform, x = system.mechanism.gravity, system.mechanism.platform, system.x
+    kinetic, strain = body_energies(platform, x.twist, x.elastic, x.elastic_rate)
+    moment = platform.moments.MS0 + mv(platform.moments.S, x.elastic)
+    weight = -dot(gravity, platform.moments.m * x.position + mv(x.rotation, moment))
+    springs = np.zeros(x.position.shape[:-1])
     for leg in system.legs:
         group = leg.group
         kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)

@@ -1,12 +1,14 @@
 """Rows of the closure that depend on others: found once, at assembly."""
 
-from typing import NamedTuple
+from dataclasses import replace
 
 import numpy as np
 
 from parflex.base.array import Array, mv
 from parflex.base.errors import OutOfReach
-from parflex.mechanics.closure import ALL, POSE, closed, closure_matrix, displaced, flat_state, size_of, units
+from parflex.mechanics.closure import ALL, POSE, closed, closure_matrix, displaced, units
+from parflex.mechanics.flat_state import flat_state
+from parflex.mechanics.mechanism import Mechanism, Rows, mechanism_of
 from parflex.mechanics.system import assembled
 from parflex.robot.robot import Robot
 
@@ -14,50 +16,52 @@ DEPENDENT = 1e-7  # what is left of a unit row when the others are taken out
 STATES = 4
 
 
-class Rows(NamedTuple):
-    """Closure rows by number: independent ones, those that depend on them, and the way back."""
-
-    kept: Array
-    dropped: Array
-    order: Array
+def with_rows(mechanism: Mechanism) -> Mechanism:
+    """The mechanism that knows which rows of its closure the models solve; raises as `closure_rows`."""
+    return replace(mechanism, rows=closure_rows(mechanism))
 
 
-def closure_rows(robot: Robot) -> Rows:
+def solvable(robot: Robot) -> Mechanism:
+    """The mechanism of a robot, ready for the models; raises as `closure_rows`."""
+    return with_rows(mechanism_of(robot))
+
+
+def closure_rows(mechanism: Mechanism) -> Rows:
     """The rows by pivoted orthogonalisation at several generic states near home.
 
     Legs that close by themselves have an invertible J, and so no row that depends on others.
 
     Raises OutOfReach where the legs do not meet the platform at home.
     """
-    count = 3 * len(robot.tip_attachments)
-    if robot.closed:
+    count = 3 * len(mechanism.attachments)
+    if mechanism.closed:
         kept = np.arange(count)
     else:
-        kept = max((independent(G) for G in generic_matrices(robot)), key=len)
+        kept = max((independent(G) for G in generic_matrices(mechanism)), key=len)
     dropped = np.setdiff1d(np.arange(count), kept)
     return Rows(kept, dropped, np.argsort(np.concatenate([kept, dropped])))
 
 
-def generic_matrices(robot: Robot) -> list[Array]:
+def generic_matrices(mechanism: Mechanism) -> list[Array]:
     """[−Wᵀ J] with rows of unit length, at states on the closure near home."""
-    size, rng = size_of(robot), np.random.default_rng(0)
-    home = flat_state(robot, robot.home)
-    home, gap = closed(robot, home, POSE)
+    size, rng = mechanism.size, np.random.default_rng(0)
+    home = flat_state(mechanism, mechanism.robot.home)
+    home, gap = closed(mechanism, home, POSE)
     if not gap <= 1e-9 * size:
-        home, gap = closed(robot, home, ALL)
+        home, gap = closed(mechanism, home, ALL)
     if not gap <= 1e-9 * size:
         raise OutOfReach(
             f"at the home pose a gap of {gap:.3g} m remains between a leg and its attachment; move the home "
             f"pose or the legs, or give each leg a posture near its joint values there"
         )
-    scale = size * units(robot, POSE)
+    scale = size * units(mechanism, POSE)
     found = []
     for part in np.linspace(0.02, 0.05, STATES):
-        moved = displaced(robot, home, part * scale * rng.uniform(-1, 1, len(scale)))
-        x, gap = closed(robot, moved, POSE)
+        moved = displaced(mechanism, home, part * scale * rng.uniform(-1, 1, len(scale)))
+        x, gap = closed(mechanism, moved, POSE)
         if not gap <= 1e-9 * size:
             x = home
-        G = closure_matrix(assembled(robot, x))
+        G = closure_matrix(assembled(mechanism, x))
         found.append(G / np.linalg.norm(G, axis=-1, keepdims=True))
     return found
 

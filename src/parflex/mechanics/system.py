@@ -1,7 +1,7 @@
 """Legs, platform and closure at one state, ready for the models."""
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -10,11 +10,13 @@ from parflex.base.unroll import solve_definite, solve_least_norm
 from parflex.mechanics import chain, kinematics
 from parflex.mechanics.chain import Frames
 from parflex.mechanics.kinematics import PointMotion
-from parflex.mechanics.legs.alike import leg_by_leg
-from parflex.mechanics.legs.base import MARGINS, LegGroup
+from parflex.mechanics.legs.alike import each_leg
+from parflex.mechanics.legs.base import LegGroup
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.platform import PlatformTerms, platform_terms
 from parflex.robot.layout import Coordinates, coordinates
-from parflex.robot.robot import Robot
+
+EMPTY: Any = ()  # a tree without arrays
 
 
 class LegTerms(NamedTuple):
@@ -30,15 +32,18 @@ class LegTerms(NamedTuple):
     Jdqd: Array  # (…, L, 3t)
     gap: Array  # (…, L, 3t), from the platform's points to the tips; zero for closed legs
     gap_rate: Array  # (…, L, 3t)
-    margins: tuple[Array, Array]  # (…, L)
+    reach: Array  # (…, L), of order 1; not positive where the leg cannot reach its tips
+    regularity: Array  # (…, L), of order 1; zero where the inverse geometry is singular
+    branch: Array  # (…, L, 1), ±1 as the state has it; (…, L, 0) where the branch is fixed
     R_ip: Array  # (…, L, 1, 3, 3), axes of Σp in Σ0i
     place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
     velocity: Array  # (…, L, t, 3)
 
 
 class System(NamedTuple):
-    """Everything at one state; legs' tips in the order of the groups."""
+    """Everything at one state; legs and tips group by group."""
 
+    mechanism: Mechanism
     x: Coordinates
     legs: list[LegTerms]
     points: PointMotion  # of the attachments that are held
@@ -48,69 +53,73 @@ class System(NamedTuple):
     platform: PlatformTerms
 
 
-def assemble(robot: Robot, x: Coordinates) -> System:
+def assemble(mechanism: Mechanism, x: Coordinates) -> System:
     """Legs, platform and closure at a state."""
-    body, held = robot.platform, robot.tip_attachments
+    body, held = mechanism.platform.body, mechanism.attachments
     shapes = body.attachment_shapes[held]
     points = kinematics.point_motion(body.attachment_points[held], shapes, x)
     W_p, W_e = kinematics.wrench_map(points.r, shapes)
-    gravity_p = mtv(x.rotation, robot.gravity)
-    platform = platform_terms(body, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
-    places = by_group(robot, kinematics.position_in_world(points.r, x))
-    moved = zip(robot.groups, places, by_group(robot, points.v), strict=True)
-    legs = [leg_terms(robot, group, x, place, v) for group, place, v in moved]
-    return System(x, legs, points, shapes, W_p, W_e, platform)
+    gravity_p = mtv(x.rotation, mechanism.gravity)
+    platform = platform_terms(mechanism.platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
+    places = by_group(mechanism, kinematics.position_in_world(points.r, x))
+    moved = zip(mechanism.groups, places, by_group(mechanism, points.v), strict=True)
+    legs = [leg_terms(mechanism, group, x, place, v) for group, place, v in moved]
+    return System(mechanism, x, legs, points, shapes, W_p, W_e, platform)
 
 
-def assembled(robot: Robot, x: Array) -> System:
-    """As `assemble`, at a flat state (…, size)."""
-    return assemble(robot, coordinates(x, robot.layout))
+def assembled(mechanism: Mechanism, x: Array) -> System:
+    """The system at a flat state (…, size)."""
+    return assemble(mechanism, coordinates(x, mechanism.layout))
 
 
-def examined(robot: Robot, x: Array) -> tuple[System, Array]:
-    """As `assembled`, with its `health`, where a flat state may be none: quietly not a number there."""
+def examined(mechanism: Mechanism, x: Array) -> tuple[System, Array]:
+    """The system at a flat state and its `health`; quietly not a number where the state is none."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        system = assembled(robot, x)
+        system = assembled(mechanism, x)
         return system, health(system)
 
 
-def by_group(robot: Robot, vectors: Array) -> list[Array]:
+def by_group(mechanism: Mechanism, vectors: Array) -> list[Array]:
     """Vectors (…, k, c) of all tips as one (…, L, t, c) per group."""
-    ends = pairwise(np.cumsum([0, *(group.attachments.size for group in robot.groups)]))
+    ends = pairwise(np.cumsum([0, *(group.attachments.size for group in mechanism.groups)]))
     return [
         vectors[..., first:last, :].reshape(vectors.shape[:-2] + group.attachments.shape + vectors.shape[-1:])
-        for group, (first, last) in zip(robot.groups, ends, strict=True)
+        for group, (first, last) in zip(mechanism.groups, ends, strict=True)
     ]
 
 
-def leg_terms(robot: Robot, group: LegGroup, x: Coordinates, place: Array, v: Array) -> LegTerms:
+def leg_terms(mechanism: Mechanism, group: LegGroup, x: Coordinates, place: Array, v: Array) -> LegTerms:
     """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp."""
-    n, t = group.chain.n, len(group.tip_frames)
-    joint, frame = [(n,)] * 3, [(3, 3)] * n + [(3,)] * n
-    shapes = [*joint, *frame, *frame, (n,), (n, n), (n,), (3 * t, n), *[(3 * t,)] * 3, (), (), (1, 3, 3)]
-    rows = [merged(place), merged(v), x.q[..., group.carried], x.qd[..., group.carried]]
-    shared = [x.rotation, np.asarray(robot.gravity)]
-    found = leg_by_leg(group, terms_of, rows, shared, [*shapes, (t, 3), (t, 3)])
-    joints, frames, rest = found[:3], found[3 : 3 + 4 * n], found[3 + 4 * n :]
-    qd, A, c, J, Jdqd, gap, gap_rate, reach, regularity, *tips = rest
-    by_joint = Frames(*(frames[i * n : (i + 1) * n] for i in range(4)))
-    margins = (reach, regularity)
-    return LegTerms(group, chain.Joints(*joints), by_joint, qd, A, c, J, Jdqd, gap, gap_rate, margins, *tips)
+    own = [x.q[..., group.carried], x.qd[..., group.carried], x.branches[..., group.branched]]
+    rows, shared = [merged(place), merged(v), *own], [x.rotation, mechanism.gravity]
+    terms: LegTerms = each_leg(group, terms_of, rows, shared)
+    return terms._replace(group=group)
 
 
 def terms_of(
-    group: LegGroup, place: Array, v: Array, q: Array, qd: Array, rotation: Array, gravity: Array
-) -> list[Array]:
-    """The fields of `LegTerms` in one list; place, v (…, L, 3t), rotation (…, 3, 3), gravity in Σ0."""
-    points = place.shape[:-1] + (len(group.tip_frames), 3)
+    group: LegGroup,
+    place: Array,
+    v: Array,
+    q: Array,
+    qd: Array,
+    branch: Array,
+    rotation: Array,
+    gravity: Array,
+) -> LegTerms:
+    """The terms of legs whose tips have places and velocities (…, L, 3t) in Σ0 and in Σp; gravity in Σ0.
+
+    Joints and branch are those that the state carries. The group of the terms is left empty.
+    """
+    group, n = group.on(branch), group.chain.n
+    legs, points = place.shape[:-1], place.shape[:-1] + (len(group.tip_frames), 3)
     R_i0 = transpose(group.rotation)[:, None]
     R_ip = R_i0 @ rotation[..., None, None, :, :]
     place = mv(R_i0, place.reshape(points) - group.origin[:, None])
     velocity = mv(R_ip, v.reshape(points))
-    joints = group.type.joints(group, place, q)
+    joints = chain.Joints(*(np.broadcast_to(a, (*legs, n)) for a in group.type.joints(group, place, q)))
     frames = chain.frames(group.chain, joints)
-    qd = group.type.rates(group, frames, joints, place, velocity, qd)
-    rest = np.zeros(group.chain.n)
+    qd = np.broadcast_to(group.type.rates(group, frames, joints, place, velocity, qd), (*legs, n))
+    rest = np.zeros(n)
     gravity = mtv(group.rotation, gravity)
     motions = chain.link_motions(group.chain, frames, qd, rest, gravity)
     R_pi = transpose(R_ip[..., 0, :, :])
@@ -122,14 +131,13 @@ def terms_of(
         Jdqd.append(mv(R_pi, acceleration + gravity))
         gap.append(mv(R_pi, chain.tip_position(frames, j, offset) - place[..., t, :]))
     by_tip = np.concatenate(J, axis=-2)
-    A = chain.inertia_matrix(group.chain, frames)
+    A = np.broadcast_to(chain.inertia_matrix(group.chain, frames), (*legs, n, n))
     c = chain.inverse_dynamics(group.chain, frames, motions, rest) + chain.friction(group.chain, qd)
     c = c + group.chain.k * chain.stretch(group.chain, joints)
+    reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
     gaps = np.concatenate(gap, axis=-1), mv(by_tip, qd) - v
-    margins = group.type.margins(group, joints, place)
-    by_joint = [part for parts in frames for part in parts]
-    moved = [qd, A, c, by_tip, np.concatenate(Jdqd, axis=-1), *gaps]
-    return [*joints, *by_joint, *moved, *margins, R_ip, place, velocity]
+    moved = (qd, A, c, by_tip, np.concatenate(Jdqd, axis=-1), *gaps, reach, regularity)
+    return LegTerms(EMPTY, joints, frames, *moved, branch, R_ip, place, velocity)
 
 
 def selection(group: LegGroup) -> Array:
@@ -137,7 +145,7 @@ def selection(group: LegGroup) -> Array:
     return np.eye(group.chain.n)[:, list(group.actuated)]  # Eq. 8
 
 
-def actuated_axes(robot: Robot, system: System) -> Array:
+def actuated_axes(system: System) -> Array:
     """∂q_a/∂p (…, 3k, m): rows of the legs' J⁻¹, for a slider its unit axis a_3i."""
     parts = []
     for leg in system.legs:
@@ -145,42 +153,43 @@ def actuated_axes(robot: Robot, system: System) -> Array:
         unit = selection(leg.group).T
         axes = [solve_least_norm(rows, np.broadcast_to(u, rows.shape[:-1])) for u in unit]
         parts.append(block_diagonal(stack(axes) if axes else leg.J[..., :0]))
-    return diagonal(parts)[..., robot.force_order]
+    return diagonal(parts)[..., system.mechanism.force_order]
 
 
 def health(system: System) -> Array:
-    """What tells whether the state is one: reach and regularity of all legs, in the order of the
-    groups, then gaps and their rates at the tips of the legs that do not close by themselves."""
-    parts = [np.zeros(0)]
-    for leg in system.legs:
-        parts += leg.margins
-    for leg in system.legs:
-        if not leg.group.closed:
-            parts += [merged(leg.gap), merged(leg.gap_rate)]
-    return join(parts)
+    """Reach and regularity of all legs, gaps and their rates at tips of legs that do not close by themselves.
+
+    They tell whether the state is one, and stand where `mechanism.health` says.
+    """
+    at, legs = system.mechanism.health, system.legs
+    tips = [leg for leg in legs if not leg.group.closed]
+    reach, regularity, gap, gap_rate = (
+        join([np.zeros(0), *parts])
+        for parts in (
+            [leg.reach for leg in legs],
+            [leg.regularity for leg in legs],
+            [merged(leg.gap) for leg in tips],
+            [merged(leg.gap_rate) for leg in tips],
+        )
+    )
+    by_leg, by_gap = at.leg_order, at.gap_order
+    return join([reach[..., by_leg], regularity[..., by_leg], gap[..., by_gap], gap_rate[..., by_gap]])
 
 
-def health_size(robot: Robot) -> int:
-    """Length of `health`."""
-    gaps = sum(6 * group.attachments.size for group in robot.groups if not group.closed)
-    return MARGINS * len(robot.legs) + gaps
-
-
-def joint_rates(robot: Robot, system: System) -> Array:
+def joint_rates(system: System) -> Array:
     """q̇_a (…, m) of the actuated joints, in the order of Γ."""
-    parts = [leg.qd[..., list(leg.group.actuated)] for leg in system.legs]
-    flat = [merged(part) for part in parts]
-    return join([np.zeros(0), *flat])[..., robot.force_order]
+    flat = [merged(leg.qd[..., list(leg.group.actuated)]) for leg in system.legs]
+    return join([np.zeros(0), *flat])[..., system.mechanism.force_order]
 
 
-def actuated_positions(robot: Robot, system: System) -> Array:
+def actuated_positions(system: System) -> Array:
     """q_a (…, m): lengths and angles (−π, π] of the actuated joints, in the order of Γ."""
     parts = []
     for leg in system.legs:
         q = [joint_position(leg, j) for j in leg.group.actuated]
         by_leg = stack(q) if q else leg.qd[..., :0]
         parts.append(merged(by_leg))
-    return join([np.zeros(0), *parts])[..., robot.force_order]
+    return join([np.zeros(0), *parts])[..., system.mechanism.force_order]
 
 
 def joint_position(leg: LegTerms, j: int) -> Array:
@@ -188,56 +197,55 @@ def joint_position(leg: LegTerms, j: int) -> Array:
     return chain.joint_position(leg.group.chain, leg.joints, j, np.zeros(len(leg.group.legs)))
 
 
-def joint_accelerations(robot: Robot, system: System, forces: Array, f: Array) -> list[Array]:
+def joint_accelerations(system: System, forces: Array, f: Array) -> list[Array]:
     """q̈ (…, L, n) of each group from all actuator forces (…, m) and contact forces (…, 3k)."""
     found = []
-    for leg, pull in zip(system.legs, joint_pulls(robot, system, f), strict=True):
+    for leg, pull in zip(system.legs, joint_pulls(system, f), strict=True):
         driving = mv(selection(leg.group), forces[..., leg.group.forces]) - pull - leg.c
         found.append(solve_definite(leg.A, driving[..., None])[..., 0])  # Eq. 7
     return found
 
 
-def joint_pulls(robot: Robot, system: System, f: Array) -> list[Array]:
+def joint_pulls(system: System, f: Array) -> list[Array]:
     """Jᵀ f (…, L, n) of each group: what contact forces (…, 3k) ask of its joints."""
-    tips = by_group(robot, kinematics.unstacked(f))
+    tips = by_group(system.mechanism, kinematics.unstacked(f))
     return [mtv(leg.J, merged(pull)) for leg, pull in zip(system.legs, tips, strict=True)]
 
 
-def joint_reactions(robot: Robot, system: System, qdd: list[Array], f: Array) -> list[tuple[Array, Array]]:
+def joint_reactions(system: System, qdd: list[Array], f: Array) -> list[tuple[Array, Array]]:
     """Force and moment (…, L, n, 3) that links receive through their joints, in their own axes."""
     found = []
-    tips = by_group(robot, kinematics.unstacked(f))
+    tips = by_group(system.mechanism, kinematics.unstacked(f))
     for leg, acceleration, pull in zip(system.legs, qdd, tips, strict=True):
         group = leg.group
-        gravity = mtv(group.rotation, np.asarray(robot.gravity))
+        gravity = mtv(group.rotation, system.mechanism.gravity)
         motions = chain.link_motions(group.chain, leg.frames, leg.qd, acceleration, gravity)
         force: list[Array] = [np.zeros(3)] * group.chain.n
         moment = list(force)
-        R_ip = transpose(group.rotation) @ system.x.rotation[..., None, :, :]
         for t, j in enumerate(group.tip_frames):
-            push = mtv(leg.frames.R_0j[j], mv(R_ip, pull[..., t, :]))
+            push = mtv(leg.frames.R_0j[j], mv(leg.R_ip[..., 0, :, :], pull[..., t, :]))
             force[j], moment[j] = force[j] + push, moment[j] + cross(group.offsets[:, t], push)
         passed = chain.reactions(group.chain, leg.frames, motions, chain.Reaction(force, moment))
         found.append((stack(passed.force, axis=-2), stack(passed.moment, axis=-2)))
     return found
 
 
-def carried_accelerations(robot: Robot, system: System, forces: Array, f: Array) -> Array:
+def carried_accelerations(system: System, forces: Array, f: Array) -> Array:
     """q̈ (…, n) of the joints that the state carries, in its order."""
-    return in_carried_order(robot, system, joint_accelerations(robot, system, forces, f))
+    return in_carried_order(system, joint_accelerations(system, forces, f))
 
 
-def carried_pull(robot: Robot, system: System, f: Array) -> Array:
+def carried_pull(system: System, f: Array) -> Array:
     """A⁻¹ Jᵀ f (…, n) of the joints that the state carries: what contact forces (…, 3k) do to them."""
-    pulls = zip(system.legs, joint_pulls(robot, system, f), strict=True)
+    pulls = zip(system.legs, joint_pulls(system, f), strict=True)
     moved = [solve_definite(leg.A, pull[..., None])[..., 0] for leg, pull in pulls]
-    return in_carried_order(robot, system, moved)
+    return in_carried_order(system, moved)
 
 
-def in_carried_order(robot: Robot, system: System, joints: list[Array]) -> Array:
-    """Of joints (…, L, n) by group, those that the state carries, in its order."""
+def in_carried_order(system: System, joints: list[Array]) -> Array:
+    """The joints (…, n) that the state carries, in its order, of all joints (…, L, n) by group."""
     parts = [merged(q) for leg, q in zip(system.legs, joints, strict=True) if leg.group.type.carries]
-    return join([np.zeros(0), *parts])[..., robot.carried_order]
+    return join([np.zeros(0), *parts])[..., system.mechanism.carried_order]
 
 
 def diagonal(blocks: list[Array]) -> Array:

@@ -10,7 +10,8 @@ from parflex.base.check import all_of_type, of_type
 from parflex.base.errors import InputError
 from parflex.mechanics.kinematics import node_wrench_map
 from parflex.robot.body import FlexibleBody
-from parflex.robot.state import State, elastic_vector
+from parflex.robot.layout import elastic_vector
+from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
 
 

@@ -1,6 +1,6 @@
 """The models on flat arrays, for control loops: no allocation, no checks after the first call."""
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -8,11 +8,10 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.compiled.backend import Trigger
 from parflex.kernels import models as kernels
+from parflex.kernels.kernel import lengths
 from parflex.mechanics.output import Output
+from parflex.model.core import Core
 from parflex.robot.state import State
-
-if TYPE_CHECKING:
-    from parflex.model.model import Model
 
 REMEMBERED = 64  # sets of arrays, per function
 
@@ -30,15 +29,19 @@ class Bound(NamedTuple):
 class Compiled:
     """Direct and inverse models on flat float64 arrays; one per thread.
 
-    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N, q, q̇), of length
-    `state_size`, q the joints of legs without closed-form inverse geometry; the quaternion is
-    normalised inside. Arrays are bound at first sight, kept alive, and recognised by identity: pass
-    the same arrays again and only their contents are read.
+    The state x is (p 3, quaternion w x y z 4, v_p 3, ω_p 3, q_e N, q̇_e N[, q, q̇][, ±1]), of
+    length `state_size`: q are the joints of legs without closed-form inverse geometry, ±1 is the assembly
+    branch of each leg that has two and no posture; the quaternion is normalised inside.
+
+    Arrays are bound at first sight, kept alive, and recognised by identity: pass the same arrays again and
+    only their contents are read.
     """
 
-    def __init__(self, model: "Model", output: Output) -> None:
-        self.model, self.output = model, output
-        self.state_size, self.modes, self.force_size, self.contact_size = kernels.sizes(model.robot)
+    def __init__(self, core: Core, output: Output) -> None:
+        self._core, self.output = core, output
+        sizes = lengths(core.mechanism)
+        self.state_size, self.modes, self.force_size = sizes["x"], sizes["elastic"], sizes["forces"]
+        self.contact_size = sizes["contact"]
         self._direct: dict[Key, Bound] = {}
         self._inverse: dict[Key, Bound] = {}
 
@@ -47,19 +50,16 @@ class Compiled:
 
         Raises OutOfReach where no joints are found for a leg whose joints it carries.
         """
-        if self.model.of(state) is not self.model:
-            self.model = self.model.of(state)
-            self._direct, self._inverse = {}, {}
-        x = self.model.flat(state)
+        x = self._core.flat(state)
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
-        if self.model.robot.layout.carried:
-            self.model.joints(state)
+        if self._core.mechanism.layout.carried:
+            self._core.system(state)
         return x
 
     def unpack(self, x: Array) -> State:
         """The state of a flat vector."""
-        return self.model.state(x)
+        return self._core.state(x)
 
     def direct(self, x: Array, u: Array, out: Array) -> None:
         """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
@@ -85,8 +85,8 @@ class Compiled:
     def _bind_direct(self, x: Array, u: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
         check("u", u, self.force_size)
-        Vd, qdd_e, f = self._split(out, 6)
-        return self.model.function(kernels.direct).bind([x, u, None], [Vd, qdd_e, f, None])
+        outputs = self._split(out, "platform", 6)
+        return self._core.functions(kernels.direct).bind({"x": x, "forces": u}, outputs)
 
     def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
         check("x", x, self.state_size)
@@ -97,17 +97,18 @@ class Compiled:
                 f"the flat inverse model prescribes {size} accelerations, but the robot has "
                 f"{self.force_size} actuators; use model.compiled(FrameOutput(rows=…))"
             )
-        forces, qdd_e, f = self._split(out, self.force_size)
-        function = self.model.function(kernels.inverse, self.output)
-        return function.bind([x, target, None, None], [forces, None, qdd_e, f, None, None])
+        outputs = self._split(out, "forces", self.force_size)
+        function = self._core.functions(kernels.inverse, self.output)
+        return function.bind({"x": x, "target": target}, outputs)
 
-    def _split(self, out: Array, first: int) -> tuple[Array, Array, Array | None]:
-        """Views of the output's parts; the contact forces where there is room for them."""
+    def _split(self, out: Array, name: str, first: int) -> dict[str, Array]:
+        """Views of the output's parts by name; the contact forces where there is room for them."""
         short = first + self.modes
         check("out", out, short, short + self.contact_size)
         if not out.flags.writeable:
             raise InputError("out is read-only; pass an array that can be written")
-        return out[:first], out[first:short], out[short:] if len(out) > short else None
+        parts = {name: out[:first], "elastic": out[first:short]}
+        return parts | {"contact": out[short:]} if len(out) > short else parts
 
 
 def check(name: str, array: Array, *lengths: int) -> None:

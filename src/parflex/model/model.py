@@ -1,47 +1,33 @@
 """The dynamic models of a robot, on the backend of one's choice: the comfortable door."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from copy import copy
-from dataclasses import replace
-from threading import Lock
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.analysis import search
-from parflex.analysis import singularities as singular
-from parflex.analysis.mobility import Mobility, mobility, reached
-from parflex.analysis.zero_dynamics import OutputReport, output_report
+from parflex.analysis import equilibrium, forward, gains, health, mobility, zero_dynamics
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together, finite, of_type
 from parflex.base.errors import DynamicSingularity, InputError
-from parflex.compiled import choose
-from parflex.compiled.at import At
-from parflex.compiled.backend import Function
 from parflex.kernels import jacobians
 from parflex.kernels import models as kernels
-from parflex.kernels.kernel import Kernel
-from parflex.kernels.parametrised import parametrised
-from parflex.mechanics import cartesian, closure
 from parflex.mechanics import system as assembly
-from parflex.mechanics.cartesian import Cartesian
-from parflex.mechanics.designs import rebuilt
-from parflex.mechanics.dynamics import Acceleration
+from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows, joints_of
 from parflex.mechanics.output import FrameOutput, Output
-from parflex.mechanics.system import System, examined
 from parflex.mechanics.wrench import generalised_force, places_of, pushes_of
-from parflex.model.family import Family, on_branch
+from parflex.model.core import made
 from parflex.model.flat import Compiled
 from parflex.model.renamed import renamed
 from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
-from parflex.robot.layout import unpack
-from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
+
+Values = Mapping[str, ArrayLike] | None
 
 
 class Model:
@@ -62,22 +48,27 @@ class Model:
     """
 
     def __init__(self, robot: Robot, backend: str = "auto", parameters: Sequence[str] = ()) -> None:
-        self.robot = robot
-        self.backend = choose(backend)
-        self._parameters = Parameters(robot, parameters)
-        self._theta = self._parameters.own
-        self._functions: dict[object, Function] = {}
-        self._lock = Lock()
-        self.family = Family(self)
+        self._core = made(robot, backend, parameters)
+
+    @property
+    def robot(self) -> Robot:
+        """The robot, with the values of the parameters."""
+        return self._core.robot
+
+    @property
+    def backend(self) -> str:
+        """The name of the backend."""
+        return self._core.functions.backend.name
 
     def __repr__(self) -> str:
         names = ", ".join(self.parameters)
-        return f"Model: {self.backend.name}{names and f', parameters {names}'}\n  {self.robot!r}"
+        return f"Model: {self.backend}{names and f', parameters {names}'}\n  {self.robot!r}"
 
     @property
     def parameters(self) -> dict[str, Array]:
         """The values of the parameters, by name."""
-        return {item.name: value.copy() for item, value in self._parameters.split(self._theta)}
+        functions = self._core.functions
+        return {item.name: value.copy() for item, value in functions.parameters.split(functions.theta)}
 
     def with_parameters(self, values: Mapping[str, ArrayLike]) -> "Model":
         """The model of the robot with other values of some parameters; it shares all compiled code.
@@ -85,24 +76,23 @@ class Model:
         Raises InputError for names that are not among the parameters, a batch of values, and values
         that the robot itself would refuse.
         """
-        theta = self._parameters.vector(values, self._theta)
+        theta = self._core.functions.parameters.vector(values, self._core.functions.theta)
         if theta.ndim > 1:
             raise InputError(
                 f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
                 f"model.direct or model.inverse"
             )
         other = copy(self)
-        other.robot, other._theta = rebuilt(self._parameters, theta), theta
-        other.family = Family(other, self.family)
+        other._core = self._core.at(theta)
         return other
 
-    @on_branch
     def direct(
         self,
         state: State,
         forces: ArrayLike,
         wrenches: Sequence[Wrench] = (),
-        parameters: Mapping[str, ArrayLike] | None = None,
+        *,
+        parameters: Values = None,
     ) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
@@ -112,18 +102,24 @@ class Model:
         Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
         where a leg's inverse geometry fails or the closure loses a row.
         """
-        _, _, (Vd, qdd_e, f) = self._moved(state, forces, wrenches, parameters)
-        return Accelerations(Vd, qdd_e, by_attachment(self.robot, f))
+        x, u = self._core.flat(state), self._forces(forces)
+        load, theta = generalised_force(self.robot.platform, state, wrenches), self._theta(parameters)
+        broadcast_together(state=x, forces=u, wrenches=load, parameters=theta)
+        found = self._core.functions(kernels.direct, theta=theta).run(x=x, forces=u, load=load)
+        self._check(x, found["health"])
+        health.check_finite(found["platform"])
+        contact = by_attachment(self._core.mechanism, found["contact"])
+        return Accelerations(found["platform"], found["elastic"], contact)
 
-    @on_branch
     def inverse(
         self,
         state: State,
         target: ArrayLike,
         output: Output | None = None,
         wrenches: Sequence[Wrench] = (),
+        *,
         preload: ArrayLike | None = None,
-        parameters: Mapping[str, ArrayLike] | None = None,
+        parameters: Values = None,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
@@ -135,26 +131,29 @@ class Model:
         OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
         beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        output = self._commanded(output)
-        x, m = self.flat(state), self.robot.n_forces
-        wanted = finite("target", target, (output.size,))
-        w = generalised_force(self.robot.platform, state, wrenches)
-        bias = np.zeros(m) if preload is None else finite("preload", preload, (m,))
-        theta = self._values(parameters)
-        broadcast_together(state=x, target=wanted, wrenches=w, preload=bias, parameters=theta)
-        function = self.function(kernels.inverse, output, at=theta)
-        forces, Vd, qdd_e, f, gain, health = function.run(x, wanted, w, bias)
-        self.check(x, health)
-        singular.check_finite(gain)
-        rigid = self.function(kernels.gains, output, at=theta).run(x)[1]
-        beyond = singular.check_gain(self.robot, output, *singular.spread(x, gain, rigid))
+        output, mechanism = self._commanded(output), self._core.mechanism
+        x, wanted = self._core.flat(state), finite("target", target, (output.size,))
+        load, theta = generalised_force(self.robot.platform, state, wrenches), self._theta(parameters)
+        bias = np.zeros(mechanism.n_forces) if preload is None else self._forces(preload, "preload")
+        broadcast_together(state=x, target=wanted, wrenches=load, preload=bias, parameters=theta)
+        function = self._core.functions(kernels.inverse, output, theta=theta)
+        found = function.run(x=x, target=wanted, load=load, preload=bias)
+        self._check(x, found["health"])
+        health.check_finite(found["gain"])
+        rigid = self._core.functions(kernels.gains, output, theta=theta).run(x=x)["rigid"]
+        beyond = gains.check_gain(mechanism, output, *gains.spread(x, found["gain"], rigid))
         if np.any(beyond):
-            warnings.warn(singular.beyond_words(beyond), DynamicSingularity, stacklevel=3)
-        return Forces(forces, qdd_e, Vd, by_attachment(self.robot, f))
+            warnings.warn(gains.beyond_words(beyond), DynamicSingularity, stacklevel=2)
+        contact = by_attachment(mechanism, found["contact"])
+        return Forces(found["forces"], found["elastic"], found["platform"], contact)
 
-    @on_branch
     def direct_jacobian(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Sequence[Wrench] = (),
+        *,
+        parameters: Values = None,
     ) -> DirectJacobian:
         """Derivatives of the accelerations of `direct` by state, forces, loads and parameters; exact.
 
@@ -163,25 +162,26 @@ class Model:
 
         Raises as `direct`, and InputError for a batch of wrenches.
         """
-        x = self.flat(state)
-        u = finite("forces", forces, (self.robot.n_forces,))
-        given = self._jacobian_inputs(x, state, wrenches, forces=u)
-        places = places_of(wrenches)
-        *found, health = self.function(jacobians.direct_jacobian, places)(x, u, *given)
-        self.check(x, health)
-        by_parameter = np.zeros((*found[0].shape[:-1], 0))
-        if self._parameters.items:
-            by_parameter = self.function(jacobians.parameter_jacobian, places)(x, u, *given)[0]
+        functions, places, u = self._core.functions, places_of(wrenches), self._forces(forces)
+        given, theta = self._jacobian_inputs(state, wrenches, parameters, forces=u)
+        found = functions(jacobians.direct_jacobian, places, theta=theta)(**given)
+        self._check(given["x"], found.pop("health"))
+        if functions.parameters.items:
+            build = jacobians.parameter_jacobian
+            found |= functions(build, places, functions.parameters, theta=theta)(**given)
         rows = 6 + self.robot.platform.modes
-        return DirectJacobian(*(by_rows(part, rows) for part in (*found, by_parameter)))
+        none = np.zeros((*found["by_state"].shape[:-1], 0))
+        names = ("by_state", "by_forces", "by_load", "by_parameters")
+        return DirectJacobian(*(by_rows(found.get(name, none), rows) for name in names))
 
-    @on_branch
     def inverse_jacobian(
         self,
         state: State,
         target: ArrayLike,
         output: Output | None = None,
         wrenches: Sequence[Wrench] = (),
+        *,
+        parameters: Values = None,
     ) -> InverseJacobian:
         """Derivatives of the forces of `inverse` by state and target; exact.
 
@@ -194,28 +194,25 @@ class Model:
                 f"output has {output.size} rows and the robot {m} actuators; the derivative is known for "
                 f"as many rows as actuators: choose another output"
             )
-        x, wanted = self.flat(state), finite("target", target, (m,))
-        given = self._jacobian_inputs(x, state, wrenches, target=wanted)
-        run = self.function(jacobians.inverse_jacobian, output, places_of(wrenches))
-        *found, health = run(x, wanted, *given)
-        self.check(x, health)
-        singular.check_finite(found[0])
-        return InverseJacobian(*(by_rows(part, m) for part in found))
+        wanted = finite("target", target, (m,))
+        given, theta = self._jacobian_inputs(state, wrenches, parameters, target=wanted)
+        build = jacobians.inverse_jacobian
+        found = self._core.functions(build, output, places_of(wrenches), theta=theta)(**given)
+        self._check(given["x"], found["health"])
+        health.check_finite(found["by_state"])
+        return InverseJacobian(*(by_rows(found[name], m) for name in ("by_state", "by_target")))
 
-    @on_branch
     def cartesian(self, state: State) -> Cartesian:
         """The Cartesian form A V̇_p + c = J_sys⁻ᵀ Γ of Eqs. 44–49.
 
         Raises InputError where a leg has not as many joints as contact force components.
         """
-        return cartesian.cartesian(self.robot, self.system(state).x)[0]
+        return cartesian(self._core.mechanism, self._core.system(state).x)[0]
 
-    @on_branch
     def joints(self, state: State) -> Joints:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return joints_of(self.robot, self.system(state))
+        return joints_of(self._core.system(state))
 
-    @on_branch
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
     ) -> tuple[Array, ...]:
@@ -223,37 +220,33 @@ class Model:
 
         Raises as `direct`.
         """
-        return by_leg(self.robot, self._joints_moved(state, forces, wrenches)[1])
+        return by_leg(self._core.mechanism, self._joints_moved(state, forces, wrenches)[1])
 
-    @on_branch
     def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
 
         Raises as `direct`.
         """
-        system, qdd, f = self._joints_moved(state, forces, wrenches)
-        force, moment = zip(*assembly.joint_reactions(self.robot, system, qdd, f), strict=True)
-        return Reactions(by_leg(self.robot, force, core=2), by_leg(self.robot, moment, core=2))
+        parts = zip(*assembly.joint_reactions(*self._joints_moved(state, forces, wrenches)), strict=True)
+        return Reactions(*(by_leg(self._core.mechanism, part, core=2) for part in parts))
 
-    @on_branch
     def energies(self, state: State) -> Energies:
         """Kinetic, gravitational and strain energy of the robot, and that of its joints' springs."""
-        return energies(self.robot, self.system(state))
+        return energies(self._core.system(state))
 
-    @on_branch
-    def mobility(self, state: State) -> Mobility:
+    def mobility(self, state: State) -> mobility.Mobility:
         """Freedoms, redundant constraints, and singularities of both kinds with their directions.
 
         Raises InputError for a batch or a state off the closure, OutOfReach.
         """
-        x = reached(self.robot, search.single("state", self.flat(state)))
-        health = examined(self.robot, x)[1]
-        singular.check_reach(self.robot, health)
-        singular.check_gaps(self.robot, health)
-        return mobility(self.robot, x)
+        mechanism = self._core.mechanism
+        x = mobility.reached(mechanism, health.single("state", self._core.flat(state)))
+        found = assembly.examined(mechanism, x)[1]
+        health.check_reach(mechanism, found)
+        health.check_gaps(mechanism, found)
+        return mobility.mobility(mechanism, x)
 
-    @on_branch
-    def output_report(self, state: State, output: Output | None = None) -> OutputReport:
+    def output_report(self, state: State, output: Output | None = None) -> zero_dynamics.OutputReport:
         """How well the actuators command an output about the equilibrium in a pose.
 
         The report gives the conditioning, what bending makes of the gains, and the poles of the
@@ -261,10 +254,9 @@ class Model:
 
         Raises InputError for a batch, and as `equilibrium` and `inverse` do.
         """
-        search.single("state", self.flat(state))
-        return output_report(self, state, self._commanded(output))
+        health.single("state", self._core.flat(state))
+        return zero_dynamics.output_report(self._core.functions, state, self._commanded(output))
 
-    @on_branch
     def project(self, state: State) -> State:
         """The state on the closure nearest to a state: what the legs allow.
 
@@ -273,7 +265,7 @@ class Model:
         Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
         at the given one.
         """
-        return self.state(search.on_closure(self.robot, state))
+        return self._core.state(health.on_closure(self._core.mechanism, state))
 
     def forward(self, joints: ArrayLike, guess: State | None = None, *, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
@@ -283,8 +275,7 @@ class Model:
 
         Raises NotConverged where no pose is found from there.
         """
-        model = self.of(guess)
-        return model.state(search.pose(model.robot, joints, guess, sag))
+        return self._core.state(forward.forward(self._core.mechanism, joints, guess, sag))
 
     def forward_all(
         self, joints: ArrayLike, guess: State | None = None, *, starts: int = 200, seed: int = 0
@@ -294,8 +285,8 @@ class Model:
         Newton's method is started at the guess and at random about it; on the branches of the legs'
         inverse geometry that the robot states. An empty list says that none was found.
         """
-        model = self.of(guess)
-        return [model.state(x) for x in search.poses(model.robot, joints, guess, starts, seed)]
+        found = forward.forward_all(self._core.mechanism, joints, guess, starts, seed)
+        return [self._core.state(x) for x in found]
 
     def equilibrium(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
         """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
@@ -304,8 +295,9 @@ class Model:
 
         Raises NotConverged where the platform is too soft for a small deflection.
         """
-        x, forces = search.at_rest(self, "position and rotation", State(position, rotation))
-        return self.state(x), forces
+        state = State(position, rotation)
+        x, forces = equilibrium.at_rest(self._core.functions, "position and rotation", state)
+        return self._core.state(x), forces
 
     legs = renamed("legs", joints)
     pose = renamed("pose", forward)
@@ -318,99 +310,36 @@ class Model:
         The inverse model prescribes the output, all of V̇_p by default. Raises InputError for an
         output that the platform does not have.
         """
-        return Compiled(self, self._output(output))
+        return Compiled(self._core, self._output(output))
 
-    def function(self, build: Callable[..., Kernel], *chosen: object, at: Array | None = None) -> Function:
-        """What `build`, of `compiled.kernels` or `motions`, makes of the robot and of what else it takes.
+    def _check(self, x: Array, found: Array) -> None:
+        """Raise where the flat state, whose health is found, is none."""
+        health.check_state(self._core.functions, x, found)
 
-        A function of flat float arrays (…, n_i), compiled by the backend at first use and kept; for
-        parameters θ (…, P), by default the model's.
-        """
-        with self._lock:
-            key = (build, *chosen)
-            if key not in self._functions:
-                self._functions[key] = self.backend.compile(self._kernel(build, *chosen))
-            found = self._functions[key]
-        if not self._parameters.items:
-            return found
-        return At(found, self._theta if at is None else at)
+    def _forces(self, forces: ArrayLike, name: str = "forces") -> Array:
+        """Forces (…, m), checked."""
+        return finite(name, forces, (self.robot.n_forces,))
 
-    @on_branch
-    def system(self, state: State) -> System:
-        """The mechanics at a state or a batch of them: legs, platform, closure.
-
-        Raises InputError for a state off the closure, OutOfReach and SingularPose where a leg's inverse
-        geometry fails.
-        """
-        system, health = examined(self.robot, self.flat(state))
-        singular.check_health(self.robot, health)
-        return system
-
-    def of(self, state: State | None) -> "Model":
-        """This model, or one on the assembly branch that the joints of a state name.
-
-        They name the branches of legs without a posture.
-
-        Raises InputError where the joints are not those of the legs.
-        """
-        if not isinstance(state, State) or state.joints is None:
-            return self
-        return self.family.on(state)
-
-    def is_of(self, other: "Model") -> bool:
-        """Whether this is the other model, or one of its branches."""
-        return self is other or self.family.first is other
-
-    def flat(self, state: State) -> Array:
-        """The flat state (…, size); joints that it carries are closed by Newton's method.
-
-        Raises InputError where the state does not fit the robot, or its joints are on another branch.
-        """
-        return closure.flat_state(self.robot, state)
-
-    def state(self, x: Array) -> State:
-        """The state of a flat vector (…, size); with all joints where they name the branch.
-
-        Raises InputError for a wrong length, values that are not finite, or a quaternion of length zero.
-        """
-        found = unpack(x, self.robot.layout)
-        if self.family.first is self:
-            return found
-        legs = joints_of(self.robot, examined(self.robot, np.asarray(x, dtype=float))[0])
-        return replace(found, joints=legs.q, joint_rates=legs.qd)
-
-    def check(self, x: Array, health: Array) -> None:
-        """Nothing where the flat state (…, size), whose `assembly.health` (…, h) is given, is one.
-
-        Raises OutOfReach and SingularPose where a leg's inverse geometry fails, InputError off the
-        closure, SingularPose where the closure loses a row.
-        """
-        singular.check_health(self.robot, health)
-        if not self.robot.closed:
-            singular.check_locking(self.robot, self.function(kernels.contact_matrix).run(x)[0])
-
-    def _kernel(self, build: Callable[..., Kernel], *chosen: object) -> Kernel:
-        """The kernel, which takes θ where the model has parameters."""
-        if not self._parameters.items:
-            return build(self.robot, *chosen)
-        if build is jacobians.parameter_jacobian:
-            return build(self._parameters, *chosen)
-        return parametrised(self._parameters, build, *chosen)
+    def _theta(self, parameters: Values) -> Array:
+        """θ (…, P), by default the model's."""
+        functions = self._core.functions
+        return (
+            functions.theta
+            if parameters is None
+            else functions.parameters.vector(parameters, functions.theta)
+        )
 
     def _jacobian_inputs(
-        self, x: Array, state: State, wrenches: Sequence[Wrench], **argument: Array
-    ) -> tuple[Array, Array]:
-        """No generalised force, and single wrenches side by side (6 L,)."""
-        w = generalised_force(self.robot.platform, state, wrenches)
+        self, state: State, wrenches: Sequence[Wrench], parameters: Values, **argument: Array
+    ) -> tuple[dict[str, Array], Array]:
+        """The inputs of a Jacobian, its wrenches side by side (6 L,), and θ (…, P)."""
+        x, theta = self._core.flat(state), self._theta(parameters)
+        generalised_force(self.robot.platform, state, wrenches)
         pushes = pushes_of(wrenches)
         if pushes.ndim > 1:
             raise InputError(f"wrenches are a batch {pushes.shape[:-1]}; derivatives take single ones")
-        broadcast_together(state=x, **argument)
-        return np.zeros(w.shape[-1]), pushes
-
-    def _values(self, parameters: Mapping[str, ArrayLike] | None) -> Array:
-        """θ (…, P), by default the model's."""
-        return self._theta if parameters is None else self._parameters.vector(parameters, self._theta)
+        broadcast_together(state=x, **argument, parameters=theta)
+        return {"x": x, "pushes": pushes, **argument}, theta
 
     def _output(self, output: Output | None) -> Output:
         """The output, all of V̇_p by default, checked against the platform."""
@@ -429,28 +358,12 @@ class Model:
             )
         return output
 
-    def _moved(
-        self,
-        state: State,
-        forces: ArrayLike,
-        wrenches: Sequence[Wrench],
-        parameters: Mapping[str, ArrayLike] | None = None,
-    ) -> tuple[Array, Array, Acceleration]:
-        """The direct model: the flat state and the forces (…, m), checked, and what they cause."""
-        x = self.flat(state)
-        u = finite("forces", forces, (self.robot.n_forces,))
-        w = generalised_force(self.robot.platform, state, wrenches)
-        theta = self._values(parameters)
-        broadcast_together(state=x, forces=u, wrenches=w, parameters=theta)
-        Vd, qdd_e, f, health = self.function(kernels.direct, at=theta).run(x, u, w)
-        self.check(x, health)
-        singular.check_finite(Vd)
-        return x, u, Acceleration(Vd, qdd_e, f)
-
     def _joints_moved(
         self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
-    ) -> tuple[System, list[Array], Array]:
-        """The mechanics at a state, q̈ (…, L, n) of each group, and the contact forces (…, 3k)."""
-        x, u, (_, _, f) = self._moved(state, forces, wrenches)
-        system = examined(self.robot, x)[0]
-        return system, assembly.joint_accelerations(self.robot, system, u, f), f
+    ) -> tuple[assembly.System, list[Array], Array]:
+        """The mechanics at a state, q̈ (…, L, n) of each group, and the contact forces (…, 3k) by group."""
+        contact = self.direct(state, forces, wrenches).contact_forces
+        system, u = self._core.system(state), self._forces(forces)
+        held = system.mechanism.attachments
+        f = contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held)))
+        return system, assembly.joint_accelerations(system, u, f), f

@@ -189,15 +189,6 @@ class FlexibleBody:
         return np.where(np.abs(modal - one) < 1e-12, one, modal)  # Eq. 34
 
     @cached_property
-    def m_ee_inverse(self) -> Array:
-        """m_ee⁻¹ (N, N)."""
-        return without_roundoff(np.linalg.inv(self.m_ee))
-
-    def modal_solve(self, loads: Array) -> Array:
-        """m_ee⁻¹ times modal forces (…, N, c)."""
-        return self.m_ee_inverse @ loads
-
-    @cached_property
     def attachment_points(self) -> Array:
         """r_i(0) (k, 3) m of the undeformed body."""
         return without_roundoff(self.nodes[list(self.attachments)])
@@ -212,28 +203,6 @@ class FlexibleBody:
         """Root mean square distance of the attachments from their centre, m; 1 where that is zero."""
         points = self.attachment_points
         return float(np.sqrt(np.mean(np.sum((points - points.mean(axis=0)) ** 2, axis=-1)))) or 1.0
-
-    @cached_property
-    def tables(self) -> Moments:
-        """The moment tensors as the mechanics reads them: round-off stored as exact zeros.
-
-        An integral is round-off against its Cauchy–Schwarz bound. P2 always meets a small q_e, and
-        FE modes that symmetry keeps apart mix by some 1e-10: it is cleaned to 1e-9, which halves
-        the cost of the model at forty modes. m_ee is not touched by it, nor is any conservation
-        law, which hold for whatever tensors the body has.
-        """
-        m = self.moments
-        size = np.sqrt(np.trace(m.P0))
-        shape = np.sqrt(np.max(np.abs(self.m_ee), initial=0.0))
-        root = np.sqrt(m.m)
-        return Moments(
-            m=m.m,
-            MS0=without_roundoff(m.MS0, root * size),
-            P0=without_roundoff(m.P0, size**2),
-            S=without_roundoff(m.S, root * shape),
-            P1=without_roundoff(m.P1, shape * size),
-            P2=without_roundoff(m.P2, shape**2, tolerance=1e-9),
-        )
 
     @cached_property
     def origin_node(self) -> int | None:

@@ -1,33 +1,104 @@
-"""What a flat state holds, and where."""
+"""The flat state: what it holds, and where. Nobody else knows an offset."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.base.check import finite, of_type
 from parflex.base.errors import InputError
 from parflex.base.spatial import quaternion_from_rotation, rotation_from_quaternion
-from parflex.robot.state import State, elastic_vector
+from parflex.robot.state import State
 
 
-class Layout(NamedTuple):
-    """What a flat state holds: N modes, and how many joints of each leg are carried."""
+class Places(NamedTuple):
+    """The slices of a flat state."""
+
+    position: slice
+    quaternion: slice
+    twist: slice
+    elastic: slice
+    elastic_rate: slice
+    joints: slice
+    joint_rates: slice
+    branches: slice
+
+
+class Motions(NamedTuple):
+    """The slices of a small motion of the state.
+
+    It is (δp 3 in Σ0, δθ 3, δv_p 3, δω_p 3, δq_e N, δq̇_e N[, δq, δq̇ carried]), δθ being a rotation vector
+    in Σp: R → R exp(δθ̂).
+    """
+
+    position: slice
+    rotation: slice
+    velocity: slice
+    omega: slice
+    elastic: slice
+    elastic_rate: slice
+    joints: slice
+    joint_rates: slice
+
+
+class Displacements(NamedTuple):
+    """The slices of a displacement: of Σp in Σp, of the modes, of all joints in the order of the groups."""
+
+    pose: slice
+    elastic: slice
+    joints: slice
+
+
+@dataclass(frozen=True)
+class Layout:
+    """N modes, how many joints of each leg are carried, the legs whose branch is an entry of the state."""
 
     modes: int
     joints: tuple[int, ...] = ()
+    branched: tuple[int, ...] = ()
 
-    @property
+    @cached_property
     def carried(self) -> int:
         """The number of joints that are carried."""
         return sum(self.joints)
 
-    @property
+    @cached_property
+    def at(self) -> Places:
+        """Where the parts lie: p 3, quaternion 4, v_p and ω_p 6, q_e N, q̇_e N, q, q̇ carried, branches ±1."""
+        N, n = self.modes, self.carried
+        return Places(*spans(3, 4, 6, N, N, n, n, len(self.branched)))
+
+    @cached_property
     def size(self) -> int:
-        """Length of the flat state: p 3, quaternion 4, v_p 3, ω_p 3, q_e N, q̇_e N, q, q̇ carried."""
-        return 13 + 2 * self.modes + 2 * self.carried
+        """The length of the flat state."""
+        return self.at.branches.stop
+
+    @cached_property
+    def motions(self) -> Motions:
+        """Where the parts of a small motion lie."""
+        N, n = self.modes, self.carried
+        return Motions(*spans(3, 3, 3, 3, N, N, n, n))
+
+    @cached_property
+    def motion_size(self) -> int:
+        """The length of a small motion, 12 + 2 N + 2 n."""
+        return self.motions.joint_rates.stop
+
+    @cached_property
+    def displacements(self) -> Displacements:
+        """Where the parts of a displacement lie; the joints reach to its end."""
+        pose, elastic, _ = spans(6, self.modes, 0)
+        return Displacements(pose, elastic, slice(elastic.stop, None))
+
+
+def spans(*lengths: int) -> list[slice]:
+    """Consecutive slices of given lengths."""
+    return [slice(int(i), int(j)) for i, j in pairwise(np.cumsum((0, *lengths)))]
 
 
 class Coordinates(NamedTuple):
@@ -40,26 +111,20 @@ class Coordinates(NamedTuple):
     elastic_rate: Array
     q: Array  # joints that are carried, in the order of the legs
     qd: Array
+    branches: Array  # ±1 of the legs whose branch is an entry of the state
 
 
 def coordinates(x: Array, layout: Layout) -> Coordinates:
-    """The flat state (…, size) as coordinates; the quaternion may have any length."""
-    modes, carried = layout.modes, layout.carried
-    ends = np.cumsum([13, modes, modes, carried, carried])
-    elastic, elastic_rate, q, qd = (x[..., i:j] for i, j in pairwise(ends))
-    return Coordinates(
-        position=x[..., 0:3],
-        rotation=rotation_from_quaternion(x[..., 3:7]),
-        twist=x[..., 7:13],
-        elastic=elastic,
-        elastic_rate=elastic_rate,
-        q=q,
-        qd=qd,
-    )
+    """The coordinates of a flat state (…, size); the quaternion may have any length."""
+    position, quaternion, *rest = (x[..., part] for part in layout.at)
+    return Coordinates(position, rotation_from_quaternion(quaternion), *rest)
 
 
 def pack(state: State, layout: Layout) -> Array:
-    """The flat state (…, size) of a checked state; carried joints that it does not name are zero."""
+    """The flat state (…, size) of a checked state; carried joints that it does not name are zero.
+
+    All branches are +1.
+    """
     of_type("state", state, State)
     batch, modes = state.batch, layout.modes
     parts: Sequence[tuple[Array, int]] = (
@@ -70,18 +135,27 @@ def pack(state: State, layout: Layout) -> Array:
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
         *carried_vectors(state.joints, layout),
         *carried_vectors(state.joint_rates, layout),
+        (np.ones(len(layout.branched)), len(layout.branched)),
     )
     if not batch:
         return np.concatenate([part for part, _ in parts])
     return np.concatenate([np.broadcast_to(v, batch + (n,)) for v, n in parts], axis=-1)
 
 
-def unpack(x: Array, layout: Layout) -> State:
-    """The state of a flat vector (…, size)."""
+def checked_flat(x: ArrayLike, layout: Layout) -> Array:
+    """A flat state (…, size).
+
+    Raises InputError for a wrong length, values that are not finite, or a quaternion of length zero.
+    """
     flat = finite("x", x, (layout.size,))
-    if np.any(np.sum(flat[..., 3:7] ** 2, axis=-1) == 0):
+    if np.any(np.sum(flat[..., layout.at.quaternion] ** 2, axis=-1) == 0):
         raise InputError("x holds a quaternion of length zero at 3 … 6; it must be a rotation (w, x, y, z)")
-    c = coordinates(flat, layout)
+    return flat
+
+
+def unpack(x: ArrayLike, layout: Layout) -> State:
+    """The state of a flat vector (…, size), without the branches; raises as `checked_flat`."""
+    c = coordinates(checked_flat(x, layout), layout)
     return State(*c[:5], joints=by_leg(c.q, layout), joint_rates=by_leg(c.qd, layout))
 
 
@@ -89,11 +163,8 @@ def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:
     """Carried joints (…, n) as one array per leg, None for legs that carry none."""
     if not layout.carried:
         return None
-    ends = np.cumsum((0, *layout.joints))
-    return tuple(
-        q[..., end - count : end] if count else None
-        for end, count in zip(ends[1:], layout.joints, strict=True)
-    )
+    parts = zip(spans(*layout.joints), layout.joints, strict=True)
+    return tuple(q[..., part] if count else None for part, count in parts)
 
 
 def carried_vectors(values: Any, layout: Layout) -> list[tuple[Array, int]]:
@@ -102,3 +173,19 @@ def carried_vectors(values: Any, layout: Layout) -> list[tuple[Array, int]]:
         return [(np.zeros(layout.carried), layout.carried)] if layout.carried else []
     pairs = zip(values, layout.joints, strict=True)
     return [(value if count and value is not None else np.zeros(count), count) for value, count in pairs]
+
+
+def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:
+    """(…, N) of an elastic coordinate; a lone 0 stands for the undeformed platform.
+
+    Raises InputError for another number of modes.
+    """
+    array = np.asarray(value)
+    if array.ndim == 0 and array == 0:
+        return np.zeros(modes)
+    if array.ndim == 0 or array.shape[-1] != modes:
+        raise InputError(
+            f"State.{name} has shape {array.shape}; this platform has {modes} modes, "
+            f"so the last axis must be {modes} long"
+        )
+    return array

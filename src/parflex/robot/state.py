@@ -114,16 +114,3 @@ class State:
             (self.elastic, 1),
             (self.elastic_rate, 1),
         )
-
-
-def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:
-    """(…, N) of an elastic coordinate; a lone 0 stands for the undeformed platform."""
-    array = np.asarray(value)
-    if array.ndim == 0 and array == 0:
-        return np.zeros(modes)
-    if array.ndim == 0 or array.shape[-1] != modes:
-        raise InputError(
-            f"State.{name} has shape {array.shape}; this platform has {modes} modes, "
-            f"so the last axis must be {modes} long"
-        )
-    return array

@@ -8,6 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.robot.layout import Layout
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.observers import DIVERGES, Advance, Observer
 from parflex.simulation.steppers.stepper import Stepper, Stuck
@@ -62,7 +63,8 @@ class Run:
     def x(self) -> Array:
         """Flat states (k, size) at these times."""
         x = np.concatenate(self.rows)[:, :-WORKS]
-        x[:, 3:7] /= np.linalg.norm(x[:, 3:7], axis=1, keepdims=True)
+        quaternion = Layout(0).at.quaternion
+        x[:, quaternion] /= np.linalg.norm(x[:, quaternion], axis=1, keepdims=True)
         return x
 
     @cached_property

@@ -1,19 +1,17 @@
 """The wrenches that act on a platform during a simulation."""
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.mechanics.wrench import generalised_force, places_of, pushed, pushes_of
-from parflex.robot.layout import coordinates, unpack
+from parflex.model.core import core_of
+from parflex.model.model import Model
+from parflex.robot.layout import coordinates
 from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
-
-if TYPE_CHECKING:
-    from parflex.model.model import Model
 
 Wrenches = Sequence[Wrench] | Callable[[float], Sequence[Wrench]]
 
@@ -27,8 +25,8 @@ class Loads:
     Raises InputError for a batch of wrenches, and as `wrench.generalised_force`.
     """
 
-    def __init__(self, model: "Model", wrenches: Wrenches) -> None:
-        self._model, self._body = model, model.robot.platform
+    def __init__(self, model: Model, wrenches: Wrenches) -> None:
+        self._core, self._body = core_of(model), model.robot.platform
         self._function = wrenches if callable(wrenches) else None
         self._none = np.zeros(6 + self._body.modes)
         constant: Sequence[Wrench] = () if callable(wrenches) else wrenches
@@ -44,7 +42,7 @@ class Loads:
         """(6 + N,), without the constant ones."""
         if self._function is None:
             return self._none
-        return self._force(unpack(x, self._model.robot.layout), self._function(t))
+        return self._force(self._core.state(x), self._function(t))
 
     def at(self, t: Array, x: Array) -> tuple[Array, BaseException | None]:
         """(T, 6 + N) at times (T,) and flat states, without the constant ones; as `at_times`."""
@@ -54,7 +52,7 @@ class Loads:
 
     def constant(self, x: Array) -> Array:
         """(T, 6 + N) of the constant ones at flat states (T, size)."""
-        c = coordinates(x, self._model.robot.layout)
+        c = coordinates(x, self._core.mechanism.layout)
         return pushed(self._body, self.places, self.pushes, c.rotation, c.elastic)
 
     def _force(self, state: State, wrenches: Sequence[Wrench]) -> Array:

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parflex.analysis.singularities import Watch
+from parflex.analysis.health import check_state
+from parflex.analysis.watch import Watch
 from parflex.base.array import Array
 from parflex.base.progress import Progress
 from parflex.kernels.projection import projection
-from parflex.mechanics.closure import CLOSED, size_of
-from parflex.mechanics.legs.base import MARGINS
-from parflex.model.model import Model
+from parflex.mechanics.closure import CLOSED
+from parflex.model.core import Core
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.steppers.stepper import Stepper
 
@@ -51,20 +51,20 @@ class Observer(ABC):
 class Closure(Observer):
     """States are put back onto the closure of the legs, in the metric of the robot's mass."""
 
-    def __init__(self, model: Model) -> None:
-        self._model = model
-        function = model.function(projection)
-        self._x, self._moved, self._health = (
-            np.zeros(n) for n in (*function.kernel.inputs, *function.kernel.outputs)
-        )
-        self._run = function.bind([self._x], [self._moved, self._health])
-        self._tolerance = CLOSED * size_of(model.robot)
-        self._gaps = MARGINS * len(model.robot.legs)  # where they begin in health
+    def __init__(self, core: Core) -> None:
+        self._functions = core.functions
+        function = core.functions(projection)
+        self._x = np.zeros(function.kernel.inputs["x"])
+        found = {name: np.zeros(n) for name, n in function.kernel.outputs.items()}
+        self._moved, self._health = found["projected"], found["health"]
+        self._run = function.bind({"x": self._x}, found)
+        self._tolerance = CLOSED * core.mechanism.size
+        self._gaps = core.mechanism.health.gap.start
 
     def begin(self, y: Array) -> None:
         self._x[:] = y[:-WORKS]
         self._run()
-        self._model.check(self._x, self._health)
+        check_state(self._functions, self._x, self._health)
         self.close(y)
 
     def see(self, advance: Advance) -> None:

@@ -8,6 +8,7 @@ import xarray as xr
 
 from parflex.base.array import Array
 from parflex.base.version import __version__
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.joint_words import beyond_limits
 from parflex.simulation.integrate import Run
@@ -32,7 +33,8 @@ def record(
     variables: Sequence[Variable] = ALL_VARIABLES,
 ) -> xr.Dataset:
     """The dataset of an integrated run and of what its law did."""
-    recorded, robot = Recorded(model.robot, run, replay, trajectory), model.robot
+    core, robot = core_of(model), model.robot
+    recorded = Recorded(core.mechanism, run, replay, trajectory)
     labels = {each.name: labelled(each, recorded) for each in variables}
     data = {name: entry for name, entry in labels.items() if entry is not None}
     sizes = {dim: n for dims, values, _ in data.values() for dim, n in zip(dims, values.shape, strict=True)}
@@ -50,7 +52,7 @@ def record(
         "partial": int(bool(run.stopped)),
         "stopped": run.stopped,
         "parflex_version": __version__,
-        "backend": model.backend.version(),
+        "backend": core.functions.backend.version(),
         "gravity": np.asarray(robot.gravity),
         "beyond_limits": beyond_limits(robot, side_by_side(recorded.joints.q, len(run.t))),
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",

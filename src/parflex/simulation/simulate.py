@@ -5,11 +5,12 @@ import warnings
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.analysis.singularities import check_finite
+from parflex.analysis.health import check_finite
 from parflex.base.array import Array
 from parflex.base.check import exactly, positive
 from parflex.base.errors import InputError, PartialRun
 from parflex.base.progress import Progress
+from parflex.model.core import Core, core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.integrate import Run, integrate
@@ -68,13 +69,13 @@ def simulate(
         if value not in known:
             raise InputError(f"{name} is {value!r}; choose one of {', '.join(map(str, known))}")
     tolerances = checked_tolerances(rtol, atol, (times[-1] - times[0]) / 50 if max_step is None else max_step)
-    model = model.of(state)
-    start = model.flat(state)
+    core = core_of(model)
+    start = core.flat(state)
     if start.ndim != 1:
         raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
     controller = controller_of(model, forces_or_controller)
     law = controller.bind(model, Loads(model, wrenches))
-    run = run_of(model, law, start, times, method, tolerances)
+    run = run_of(core, law, start, times, method, tolerances)
     replay = law.replay(run.t, run.x)
     if not run.stopped and replay.raised is not None:
         run.fail(replay.raised, "after the run, when called for the record")
@@ -84,7 +85,7 @@ def simulate(
 
 
 def run_of(
-    model: Model, law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float]
+    core: Core, law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float]
 ) -> Run:
     """The law's motion from a flat state (size,) on; raises InputError where the start is refused."""
     y = np.concatenate([start, np.zeros(WORKS)])
@@ -94,7 +95,7 @@ def run_of(
         return stepper_of(law, method, times[0], y, times[-1], tolerances)
 
     with Progress("simulate", times[-1] - times[0]) as bar:
-        observers = observers_of(model, law, times, bar)
+        observers = observers_of(core, law, times, bar)
         for observer in observers:
             observer.begin(y)
         return integrate(times, y, begin, observers)
@@ -108,12 +109,12 @@ def checked_tolerances(rtol: float, atol: float, max_step: float) -> dict[str, f
     return {"rtol": rtol, "atol": atol, "max_step": positive("max_step", max_step)}
 
 
-def observers_of(model: Model, law: BoundLaw, times: Array, bar: Progress) -> list[Observer]:
+def observers_of(core: Core, law: BoundLaw, times: Array, bar: Progress) -> list[Observer]:
     """What looks at the run, in this order: states are closed before others look at them."""
     watch = law.law.watch
     found: list[Observer] = []
-    if not model.robot.closed:
-        found.append(Closure(model))
+    if not core.mechanism.closed:
+        found.append(Closure(core))
     if watch is not None:
         found.append(Singularities(watch))
     crawl = Crawl(times[0], times[-1], watch.explain if watch is not None else lambda: "")

@@ -7,6 +7,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.mechanics.kinematics import position_in_world
 from parflex.mechanics.paths import leg_paths
+from parflex.model.core import core_of
 from parflex.robot.state import State
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def sketch(model: "Model", state: State, scale: float | None = None) -> Sketch:
     scale exaggerates the deformation; by default the largest becomes 8 % of the platform's size.
     Raises OutOfReach and SingularPose where a leg's inverse geometry fails.
     """
-    system, body = model.system(state), model.robot.platform
+    system, body = core_of(model).system(state), model.robot.platform
     x, paths = system.x, leg_paths(system)
     bend = np.einsum("n,nka->ka", x.elastic, body.shapes)
     scale = drawn_scale(body.nodes, bend) if scale is None else scale

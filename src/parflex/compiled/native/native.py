@@ -15,7 +15,7 @@ import numpy as np
 from parflex.base import cache as store
 from parflex.base.array import Array
 from parflex.base.progress import waiting
-from parflex.compiled.backend import Backend, Function, Trigger, flat_batch
+from parflex.compiled.backend import Backend, Function, Given, Trigger, in_order
 from parflex.compiled.native.ir import module
 from parflex.compiled.native.loops import program
 from parflex.compiled.reference import NumpyFunction
@@ -68,26 +68,25 @@ class NativeFunction(Function):
 
     @property
     def address(self) -> int:
-        """Of `run(pointers, start, blocks)`, a block being one row."""
+        """The address of `run(pointers, start, blocks)`, a block being one row."""
         found: int = self._one.address
         return found
 
-    def __call__(self, *inputs: Array) -> tuple[Array, ...]:
-        batch, rows = flat_batch(self.kernel, inputs)
-        return self._run(self._for(len(rows[0])), batch, rows)
+    def _rows(self, rows: list[Array]) -> list[Array]:
+        return self._run(self._for(len(rows[0])), rows)
 
-    def each(self, *inputs: Array) -> tuple[Array, ...]:
-        return self._run(self._one, *flat_batch(self.kernel, inputs))
+    def _each(self, rows: list[Array]) -> list[Array]:
+        return self._run(self._one, rows)
 
-    def _run(self, code: Code, batch: tuple[int, ...], rows: list[Array]) -> tuple[Array, ...]:
+    def _run(self, code: Code, rows: list[Array]) -> list[Array]:
         count = len(rows[0])
-        found = [np.empty((count, n)) for n in self.kernel.outputs]
+        found = [np.empty((count, n)) for n in self.kernel.outputs.values()]
         run_rows(code, [*rows, *found], count)
-        return tuple(a.reshape(batch + a.shape[1:]) for a in found)
+        return found
 
-    def bind(self, inputs: Sequence[Array | None], outputs: Sequence[Array | None]) -> Trigger:
-        given = [np.zeros(n) if a is None else a for a, n in zip(inputs, self.kernel.inputs, strict=True)]
-        taken = [np.empty(n) if a is None else a for a, n in zip(outputs, self.kernel.outputs, strict=True)]
+    def bind(self, inputs: Given, outputs: Given) -> Trigger:
+        given = in_order(self.kernel.inputs, inputs)
+        taken = in_order(self.kernel.outputs, outputs, np.empty)
         places = addresses([*given, *taken])
         start, blocks = ctypes.c_int64(0), ctypes.c_int64(1)
         trigger = Call(self._one.run, ctypes.c_void_p(places.ctypes.data), start, blocks)
@@ -151,7 +150,8 @@ def compiled(kernel: Kernel, lanes: int) -> store.Entry:
         text = module(program(kernel, widest() if lanes == 1 else 1), lanes, widest())
         object_code = machine().emit_object(llvm.parse_assembly(text))
     probe = kernel.probe(2 * lanes)
-    return store.Entry(object_code, probe, list(NumpyFunction(kernel)(*probe)))
+    answer = NumpyFunction(kernel)(**probe)
+    return store.Entry(object_code, [probe[name] for name in kernel.inputs], list(answer.values()))
 
 
 def engine(code: bytes) -> llvm.ExecutionEngine:

@@ -8,7 +8,7 @@ import casadi
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.unroll import looping
+from parflex.base.unroll import leaves, looping, regrown
 from parflex.compiled.symbol import Symbol
 
 WORTH = 8000  # operations from which on a loop is shorter than what it does
@@ -16,26 +16,22 @@ QUICKER = 60  # from which on several rows of it per instruction are quicker
 
 
 class Recorder:
-    """Turns `array.for_each` into loops."""
+    """Turns `unroll.each` into loops."""
 
     def __init__(self, lanes: int) -> None:
         self.loops: list[Recorded] = []
         self.lanes = lanes
 
-    def __call__(
-        self, function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array]
-    ) -> Array:
-        """The results (1, R, m) of a function of rows (1, R, n_i) and of what they share."""
+    def __call__(self, function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array]) -> Any:
+        """The results (1, R, *shape) of a function of rows (1, R, n_i) and of what they share."""
         alone = looping.set(None)  # a loop has no loops within
         try:
             return self._recorded(function, rows, shared)
         finally:
             looping.reset(alone)
 
-    def _recorded(
-        self, function: Callable[..., Array], rows: Sequence[Array], shared: Sequence[Array]
-    ) -> Array:
-        """The same, as a loop where it is worth one."""
+    def _recorded(self, function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array]) -> Any:
+        """The results, by a loop where it is worth one."""
         count = rows[0].shape[-2]
         known, one, constants = Inputs(), Inputs(), Inputs()
         given = [common(known, array) for array in shared]
@@ -45,21 +41,25 @@ class Recorder:
             for j, column in enumerate(array.reshape(count, array.shape[-1]).T):
                 single[..., j] = stand_in(column, one, constants)
             singles.append(single)
-        found = function(*singles, *given).reshape(-1)
-        outputs = [value.x for value in found if isinstance(value, Symbol)]
+        tree = function(*singles, *given)
+        outputs = [value.x for leaf in leaves(tree) for value in leaf.flat if isinstance(value, Symbol)]
         loop = Recorded(count, known, one, constants, outputs, [])
         if operations(loop.graph) * count < (WORTH if self.lanes == 1 else QUICKER):
             return function(*rows, *shared)
         self.loops.append(loop)
-        out = np.empty((1, count, len(found)), dtype=object)
-        for j, value in enumerate(found):
+        return regrown(tree, (self._spread(loop, leaf) for leaf in leaves(tree)))
+
+    @staticmethod
+    def _spread(loop: "Recorded", leaf: Array) -> Array:
+        """Symbols (1, R, *shape) of the loop's results that stand for a leaf (1, 1, *shape) of one row."""
+        out = np.empty((loop.rows, leaf.size), dtype=object)
+        for j, value in enumerate(leaf.flat):
+            out[:, j] = value
             if isinstance(value, Symbol):
-                column = casadi.SX.sym("r", count).elements()
+                column = casadi.SX.sym("r", loop.rows).elements()
                 loop.results.append(column)
-                out[0, :, j] = [Symbol(x) for x in column]
-            else:
-                out[0, :, j] = value
-        return out
+                out[:, j] = [Symbol(x) for x in column]
+        return out.reshape((1, loop.rows, *leaf.shape[2:]))
 
 
 class Inputs:
@@ -76,7 +76,7 @@ class Inputs:
         return Symbol(self.symbols[-1])
 
     def keep(self, used: set[int]) -> None:
-        """Those alone that are used."""
+        """Drop the values that nobody uses."""
         stay = [i for i, name in enumerate(names(self.symbols)) if name in used]
         self.values, self.symbols = [self.values[i] for i in stay], [self.symbols[i] for i in stay]
 

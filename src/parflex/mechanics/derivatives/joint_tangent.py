@@ -6,14 +6,13 @@ import numpy as np
 
 from parflex.base.array import Array, block, join, merged, mv, skew, split, transpose
 from parflex.base.dual import jacobian
-from parflex.base.unroll import for_each
+from parflex.base.unroll import each
 from parflex.mechanics import chain
 from parflex.mechanics.derivatives.tangent import blockwise, leg_seeds
-from parflex.mechanics.legs.alike import leg_by_leg
+from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.system import LegTerms, System, by_group
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 
 
 class JointTangent(NamedTuple):
@@ -23,9 +22,10 @@ class JointTangent(NamedTuple):
     rates: Array  # ∂q̇_a (…, m, 12 + 2 N)
 
 
-def joint_tangent(robot: Robot, system: System) -> JointTangent:
-    """By way of the places and velocities of the legs' tips."""
-    shapes = [(len(group.legs), 6 * len(group.tip_frames)) for group in robot.groups]
+def joint_tangent(system: System) -> JointTangent:
+    """The tangent by way of the places and velocities of the legs' tips."""
+    mechanism = system.mechanism
+    shapes = [(len(group.legs), 6 * len(group.tip_frames)) for group in mechanism.groups]
 
     def joints(motions: Array, *maps: Array) -> Array:
         """∂(q_a, q̇_a) by group (…, D, 2m) for motions of the tips (…, D, 6k)."""
@@ -37,20 +37,19 @@ def joint_tangent(robot: Robot, system: System) -> JointTangent:
             qd.append(merged(by_leg[..., half:]))
         return join([*q, *qd])
 
-    found = for_each(joints, [tip_motions(robot, system)], [by_tips(leg, system.x) for leg in system.legs])
-    rows, order = transpose(found), robot.force_order
-    return JointTangent(rows[..., order, :], rows[..., robot.n_forces + order, :])
+    found = each(joints, [tip_motions(system)], [by_tips(leg, system.x) for leg in system.legs])
+    rows, order = transpose(found), mechanism.force_order
+    return JointTangent(rows[..., order, :], rows[..., mechanism.n_forces + order, :])
 
 
 def by_tips(leg: LegTerms, x: Coordinates) -> Array:
     """∂ of `joints_of` (…, L, 2a, 6t), the tips' motions resolved in Σp."""
     seeds = leg_seeds(leg, x)
-    shape = (2 * len(leg.group.actuated), seeds.shape[-1])
 
-    def tangent(group: LegGroup, seeds: Array) -> list[Array]:
-        return [jacobian(lambda x: joints_of(group, x), seeds)]
+    def tangent(group: LegGroup, seeds: Array, branch: Array) -> Array:
+        return jacobian(lambda x: joints_of(group.on(branch), x), seeds)
 
-    found = leg_by_leg(leg.group, tangent, [seeds], [], [shape])[0]
+    found = each_leg(leg.group, tangent, [seeds, leg.branch])
     R_pi = transpose(leg.R_ip[..., 0, :, :])
     return transpose(blockwise(R_pi, transpose(found)))
 
@@ -68,7 +67,7 @@ def joints_of(group: LegGroup, seeds: Array) -> Array:
     return join([*q_a, qd[..., list(group.actuated)]])
 
 
-def tip_motions(robot: Robot, system: System) -> Array:
+def tip_motions(system: System) -> Array:
     """Places and velocities of the tips in Σp, leg by leg (…, 12 + 2 N, 6k), of each small motion."""
     x, (r, v, _), Phi = system.x, system.points, system.shapes
     axes, w = transpose(x.rotation)[..., None, :, :], skew(x.twist[..., None, 3:])
@@ -77,7 +76,7 @@ def tip_motions(robot: Robot, system: System) -> Array:
     velocity = block([[none, -skew(v), one, -skew(r), w @ Phi, Phi]])
     both = np.concatenate(np.broadcast_arrays(place, velocity), axis=-2)
     D, parts = both.shape[-1], []
-    for tips in by_group(robot, merged(both)):
+    for tips in by_group(system.mechanism, merged(both)):
         count, t = tips.shape[-3:-1]
         by_leg = np.moveaxis(tips.reshape((*tips.shape[:-1], 2, 3, D)), -3, -4)
         parts.append(by_leg.reshape((*tips.shape[:-3], count * t * 6, D)))

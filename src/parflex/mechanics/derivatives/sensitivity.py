@@ -15,7 +15,7 @@ import numpy as np
 
 from parflex.base.array import Array, block, block_diagonal, cross, join, merged, mtv, mv, skew, transpose
 from parflex.base.dual import jacobian
-from parflex.base.unroll import factored_solve, for_each, solve_definite, solve_least_norm
+from parflex.base.unroll import each, factored_solve, solve_definite, solve_least_norm
 from parflex.mechanics.contact import Contact, contact_forces, contact_system
 from parflex.mechanics.derivatives.tangent import (
     blockwise,
@@ -25,12 +25,12 @@ from parflex.mechanics.derivatives.tangent import (
     platform_tangent,
 )
 from parflex.mechanics.dynamics import acceleration_map, accelerations, inverse_of
+from parflex.mechanics.kinematics import unstacked
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
-from parflex.mechanics.platform import platform_terms
+from parflex.mechanics.platform import Platform, platform_terms
 from parflex.mechanics.system import System, by_group, diagonal, joint_accelerations
-from parflex.robot.body import FlexibleBody
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 
 Load = Callable[[Coordinates], Array]  # external generalised force (…, 6 + N)
 
@@ -54,38 +54,37 @@ class Solved(NamedTuple):
     JAS: Array  # (…, 3k, m)
 
 
-def solved(robot: Robot, system: System, u: Array, load: Array) -> Solved:
+def solved(system: System, u: Array, load: Array) -> Solved:
     """The direct model under Γ (…, m) and a generalised force (…, 6 + N)."""
-    body = robot.platform
-    contact = contact_system(robot, system, load)
-    f = contact_forces(robot, contact.C, (contact.rhs + mv(contact.JAS, u))[..., None])[..., 0]
-    Vd, qdd_e, _ = accelerations(body, system, contact, f)
-    MW = np.concatenate(acceleration_map(body, system, contact, np.eye(f.shape[-1])), axis=-2)
-    Y = contact_response(robot, contact.C, MW)
-    Q = for_each(lambda m, y, MW: m - y @ transpose(MW), [inverse_inertia(body, contact), Y], [MW])
-    qdd = joint_accelerations(robot, system, u, f)
+    mechanism = system.mechanism
+    contact = contact_system(system, load)
+    f = contact_forces(mechanism, contact.C, (contact.rhs + mv(contact.JAS, u))[..., None])[..., 0]
+    Vd, qdd_e, _ = accelerations(system, contact, f)
+    MW = np.concatenate(acceleration_map(system, contact, np.eye(f.shape[-1])), axis=-2)
+    Y = contact_response(mechanism, contact.C, MW)
+    Q = each(lambda m, y, MW: m - y @ transpose(MW), [inverse_inertia(mechanism.platform, contact), Y], [MW])
+    qdd = joint_accelerations(system, u, f)
     return Solved(join([Vd, qdd_e]), f, qdd, Y, Q, contact.JAS)
 
 
-def direct_sensitivity(robot: Robot, system: System, u: Array, load: Load) -> Sensitivity:
+def direct_sensitivity(system: System, u: Array, load: Load) -> Sensitivity:
     """Of the direct model at an assembled state under Γ (…, m) and a load."""
-    at = solved(robot, system, u, load(system.x))
-    by_forces = for_each(lambda y, JAS: y @ JAS, [at.Y], [at.JAS])
-    return Sensitivity(by_state(robot, system, at, load), by_forces, at.Q)
+    at = solved(system, u, load(system.x))
+    by_forces = each(lambda y, JAS: y @ JAS, [at.Y], [at.JAS])
+    return Sensitivity(by_state(system, at, load), by_forces, at.Q)
 
 
-def inverse_sensitivity(
-    robot: Robot, system: System, target: Array, load: Load, output: Output
-) -> tuple[Array, Array]:
+def inverse_sensitivity(system: System, target: Array, load: Load, output: Output) -> tuple[Array, Array]:
     """∂Γ by the state (…, m, 12 + 2 N + 2 n) and by the output's target (…, m, m), as many as actuators.
 
     The output's acceleration is L(x) a + d(x): L da + ∂(L a + d) = dtarget.
     """
-    body, x, N = robot.platform, system.x, robot.platform.modes
-    nothing = np.zeros(robot.n_forces)
-    u = inverse_of(robot, system, target, load(x), output, nothing).forces
-    at = solved(robot, system, u, load(x))
-    moved, driven = by_state(robot, system, at, load), at.Y @ at.JAS
+    mechanism, x = system.mechanism, system.x
+    body, N, motions = mechanism.platform.body, mechanism.platform.modes, mechanism.layout.motions
+    nothing = np.zeros(mechanism.n_forces)
+    u = inverse_of(system, target, load(x), output, nothing).forces
+    at = solved(system, u, load(x))
+    moved, driven = by_state(system, at, load), at.Y @ at.JAS
 
     def prescribed(seeds: Array) -> Array:
         omega, q_e, qd_e = seeds[..., :3], seeds[..., 3 : 3 + N], seeds[..., 3 + N :]
@@ -94,8 +93,8 @@ def inverse_sensitivity(
         return reached + output.drift(body, there)
 
     own = jacobian(prescribed, join([x.twist[..., 3:], x.elastic, x.elastic_rate]))
-    still = np.zeros((output.size, 9))
-    carried = np.zeros((output.size, moved.shape[-1] - 12 - 2 * N))
+    still = np.zeros((output.size, motions.omega.start))
+    carried = np.zeros((output.size, moved.shape[-1] - motions.joints.start))
     change = output.linear(body, x, moved[..., :6, :], moved[..., 6:, :]) + block([[still, own, carried]])
     gain = output.linear(body, x, driven[..., :6, :], driven[..., 6:, :])
     columns = block([[-change, np.eye(output.size)]])
@@ -104,15 +103,14 @@ def inverse_sensitivity(
 
 
 def parameter_sensitivity(
-    robot_at: Callable[[Array], Robot], theta: Array, system: System, u: Array, load: Load
+    mechanism_at: Callable[[Array], Mechanism], theta: Array, system: System, u: Array, load: Load
 ) -> Array:
-    """∂(V̇_p, q̈_e)/∂θ (…, 6 + N, P) of the robot that has θ (P,) in its tables, at an assembled state."""
-    robot, x = robot_at(theta), system.x
-    at = solved(robot, system, u, load(x))
+    """∂(V̇_p, q̈_e)/∂θ (…, 6 + N, P) of the mechanism that has θ (P,) in its tables, at its assembled state."""
+    at = solved(system, u, load(system.x))
     legs = sum(leg.A.shape[-3] * leg.A.shape[-1] for leg in system.legs)
 
     def equations(theta: Array) -> Array:
-        return residuals(robot_at(theta), system, at)
+        return residuals(system._replace(mechanism=mechanism_at(theta)), at)
 
     found = jacobian(equations, theta)
     r_2, r_1 = found[..., :legs, :], found[..., legs:, :]
@@ -131,31 +129,28 @@ def parameter_sensitivity(
     return at.Y @ s - at.Q @ r_1
 
 
-def residuals(robot: Robot, system: System, at: Solved) -> Array:
+def residuals(system: System, at: Solved) -> Array:
     """A q̈ + c + Jᵀ f of all legs and M_p a + c_p, one after the other, for one state."""
-    x, parts = system.x, []
-    tips = by_group(robot, at.f.reshape(at.f.shape[:-1] + (at.f.shape[-1] // 3, 3)))
-    for group, leg, qdd, f in zip(robot.groups, system.legs, at.qdd, tips, strict=True):
-        gravity = mtv(group.rotation, np.asarray(robot.gravity))
-        rest = leg_residual(group, leg_seeds(leg, x), qdd, mv(leg.R_ip, f), gravity)
+    x, mechanism, parts = system.x, system.mechanism, []
+    platform, tips = mechanism.platform, by_group(mechanism, unstacked(at.f))
+    for group, leg, qdd, f in zip(mechanism.groups, system.legs, at.qdd, tips, strict=True):
+        gravity = mtv(group.rotation, mechanism.gravity)
+        rest = leg_residual(group.on(leg.branch), leg_seeds(leg, x), qdd, mv(leg.R_ip, f), gravity)
         parts.append(merged(rest[..., : group.chain.n]))
-    gravity = mtv(x.rotation, np.asarray(robot.gravity))
-    A_rr, A_re, c_r, c_e = platform_terms(
-        robot.platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity
-    )
+    gravity = mtv(x.rotation, mechanism.gravity)
+    A_rr, A_re, c_r, c_e = platform_terms(platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity)
     Vd, qdd_e = at.a[..., :6], at.a[..., 6:]
     rigid = mv(A_rr, Vd) + mv(A_re, qdd_e) + c_r
-    elastic = mtv(A_re, Vd) + mv(robot.platform.m_ee, qdd_e) + c_e
+    elastic = mtv(A_re, Vd) + mv(platform.m_ee, qdd_e) + c_e
     return join([*parts, rigid, elastic])
 
 
-def by_state(robot: Robot, system: System, at: Solved, load: Load, driven: Array | float = 0.0) -> Array:
+def by_state(system: System, at: Solved, load: Load, driven: Array | float = 0.0) -> Array:
     """Y s − Q r_1 for every small motion of the state; `driven` is J A⁻¹ S ∂Γ where forces change with it."""
-    body, x = robot.platform, system.x
-    gravity = mtv(x.rotation, np.asarray(robot.gravity))
-    platform = platform_tangent(body, x, gravity, at.a)
-    tips = at.f.reshape(at.f.shape[:-1] + (at.f.shape[-1] // 3, 3))
-    N, carried = body.modes, robot.layout.carried
+    mechanism, x, tips = system.mechanism, system.x, unstacked(at.f)
+    gravity = mtv(x.rotation, mechanism.gravity)
+    platform = platform_tangent(mechanism.platform, x, gravity, at.a)
+    N, carried = mechanism.platform.modes, mechanism.layout.carried
     external = load_tangent(load, x)
     turning = platform.gravity @ skew(gravity) - external[..., :3]
     levers = -transpose(hats(tips)) @ transpose(system.W_e)
@@ -163,15 +158,15 @@ def by_state(robot: Robot, system: System, at: Solved, load: Load, driven: Array
     bending = platform.elastic + pushed - external[..., 3:]
     still, none = np.zeros((6 + N, 3)), np.zeros((6 + N, 2 * carried))
     r_1 = block([[still, turning, still, platform.omega, bending, platform.elastic_rate, none]])
-    s = closure_changes(robot, system, at.qdd, tips, at.a) + driven
+    s = closure_changes(system, at.qdd, tips, at.a) + driven
 
     def changed(s: Array, r: Array, Y: Array, Q: Array) -> Array:
         return s @ transpose(Y) - r @ transpose(Q)
 
-    return transpose(for_each(changed, [transpose(s), transpose(r_1)], [at.Y, at.Q]))
+    return transpose(each(changed, [transpose(s), transpose(r_1)], [at.Y, at.Q]))
 
 
-def closure_changes(robot: Robot, system: System, qdd: list[Array], f: Array, a: Array) -> Array:
+def closure_changes(system: System, qdd: list[Array], f: Array, a: Array) -> Array:
     """s = r_3 − J A⁻¹ r_2 (…, 3k, 12 + 2 N + 2 n) under contact forces f (…, k, 3)."""
     x, (r, v, h) = system.x, system.points
     w, spin = skew(x.twist[..., 3:]), x.twist[..., None, 3:]
@@ -184,9 +179,9 @@ def closure_changes(robot: Robot, system: System, qdd: list[Array], f: Array, a:
     vectors = (r, v, moved, f, merged(by_omega), shapes.reshape(len(shapes) // 3, 3 * shapes.shape[-1]))
     rows, joints = [], []
     for leg, q, r_i, v_i, a_i, f_i, turned, Phi in zip(
-        system.legs, qdd, *(by_group(robot, values) for values in vectors), strict=True
+        system.legs, qdd, *(by_group(system.mechanism, values) for values in vectors), strict=True
     ):
-        found = leg_tangent(robot, leg, x, q, f_i)
+        found = leg_tangent(system.mechanism, leg, x, q, f_i)
         H_p, H_v, count = found.place, found.velocity, 3 * r_i.shape[-2]
         one, Phi = np.tile(np.eye(3), (count // 3, 1)), Phi.reshape((len(Phi), count, shapes.shape[-1]))
         columns = [
@@ -201,7 +196,7 @@ def closure_changes(robot: Robot, system: System, qdd: list[Array], f: Array, a:
         wide = np.concatenate([np.broadcast_to(c, batch + c.shape[-2:]) for c in columns], axis=-1)
         rows.append(wide.reshape((*wide.shape[:-3], len(Phi) * count, wide.shape[-1])))
         joints.append((block_diagonal(found.joints), block_diagonal(found.joint_rates)))
-    by_joint = [diagonal([part[i] for part in joints])[..., robot.carried_order] for i in (0, 1)]
+    by_joint = [diagonal([part[i] for part in joints])[..., system.mechanism.carried_order] for i in (0, 1)]
     return block([[np.concatenate(rows, axis=-2), *by_joint]])
 
 
@@ -211,14 +206,14 @@ def hats(vectors: Array) -> Array:
     return matrices.reshape((*vectors.shape[:-2], 3 * vectors.shape[-2], 3))
 
 
-def contact_response(robot: Robot, C: Array, MW: Array) -> Array:
+def contact_response(mechanism: Mechanism, C: Array, MW: Array) -> Array:
     """Y = M_p⁻¹ W C⁻¹ (…, 6 + N, 3k), zero for rows that depend on others."""
-    kept = robot.rows.kept
+    kept, dropped, order = mechanism.solved_rows
     if len(kept) == C.shape[-1]:
-        return transpose(contact_forces(robot, C, transpose(MW)))
+        return transpose(contact_forces(mechanism, C, transpose(MW)))
     Y = transpose(solve_definite(C[..., kept, :][..., kept], transpose(MW[..., kept])))
-    every = np.concatenate([Y, 0.0 * MW[..., robot.rows.dropped]], axis=-1)
-    return every[..., robot.rows.order]
+    every = np.concatenate([Y, 0.0 * MW[..., dropped]], axis=-1)
+    return every[..., order]
 
 
 def load_tangent(load: Load, x: Coordinates) -> Array:
@@ -231,9 +226,9 @@ def load_tangent(load: Load, x: Coordinates) -> Array:
     return jacobian(moved, join([0.0 * x.twist[..., :3], x.elastic]))
 
 
-def inverse_inertia(body: FlexibleBody, contact: Contact) -> Array:
+def inverse_inertia(platform: Platform, contact: Contact) -> Array:
     """M_p⁻¹ (…, 6 + N, 6 + N)."""
     E = contact.inertia.E
     A_i = factored_solve(contact.inertia.A_s, np.eye(6))
     corner = A_i @ E
-    return block([[A_i, -corner], [-transpose(corner), body.m_ee_inverse + transpose(E) @ corner]])
+    return block([[A_i, -corner], [-transpose(corner), platform.m_ee_inverse + transpose(E) @ corner]])

@@ -12,13 +12,12 @@ from parflex.base.array import Array, block, cross, join, merged, mtv, mv, skew,
 from parflex.base.dual import jacobian
 from parflex.base.unroll import contract, solve_definite
 from parflex.mechanics import chain
-from parflex.mechanics.legs.alike import leg_by_leg
+from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
-from parflex.mechanics.platform import axial, contractions
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.platform import Platform, axial, contractions
 from parflex.mechanics.system import LegTerms
-from parflex.robot.body import FlexibleBody
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 
 
 class PlatformTangent(NamedTuple):
@@ -43,13 +42,13 @@ class LegTangent(NamedTuple):
     mobility: Array  # (…, L, 3t, 3t), J A⁻¹ Jᵀ
 
 
-def platform_tangent(body: FlexibleBody, x: Coordinates, gravity: Array, a: Array) -> PlatformTangent:
+def platform_tangent(platform: Platform, x: Coordinates, gravity: Array, a: Array) -> PlatformTangent:
     """All terms are integrals of ρ and Φ_k with the acceleration v̇ − g + Ω ρ + 2 ω × Φ q̇_e + Φ q̈_e.
 
     x at one state, gravity (…, 3) in Σp, a (…, 6 + N).
     """
-    t, omega, q_e, qd_e = body.tables, x.twist[..., 3:], x.elastic, x.elastic_rate
-    G = contractions(body, q_e, qd_e).G
+    t, omega, q_e, qd_e = platform.moments, x.twist[..., 3:], x.elastic, x.elastic_rate
+    G = contractions(platform, q_e, qd_e).G
     rates, accelerations = contract(qd_e, t.P2), contract(a[..., 6:], t.P2)  # ∫ (Φ q̇) Φ_jᵀ, ∫ (Φ q̈) Φ_jᵀ
     w = skew(omega)
     Omega = skew(a[..., 3:6]) + w @ w
@@ -64,7 +63,7 @@ def platform_tangent(body: FlexibleBody, x: Coordinates, gravity: Array, a: Arra
         carried + Omega[..., None, :, :] @ transpose(G) + 2.0 * (w[..., None, :, :] @ rates) + accelerations
     )
     by_shape = transpose(axial(carried) + axial(Omega[..., None, :, :] @ G))
-    modes = len(body.stiffness)
+    modes = platform.modes
     table = transpose(t.P2.reshape(modes * modes, 9))
 
     def paired(X: Array) -> Array:
@@ -82,23 +81,23 @@ def platform_tangent(body: FlexibleBody, x: Coordinates, gravity: Array, a: Arra
     return PlatformTangent(
         gravity=block([[-t.m * np.eye(3)], [-skew(MS)], [-each_S]]),
         omega=stack(columns),
-        elastic=block([[Omega @ t.S], [by_shape], [paired(Omega) + np.diag(body.stiffness)]]),
+        elastic=block([[Omega @ t.S], [by_shape], [paired(Omega) + np.diag(platform.stiffness)]]),
         elastic_rate=block(
             [
                 [2.0 * (w @ t.S)],
                 [transpose(axial(2.0 * (w[..., None, :, :] @ G)))],
-                [paired(2.0 * w) + np.diag(body.damping)],
+                [paired(2.0 * w) + np.diag(platform.damping)],
             ]
         ),
     )
 
 
-def leg_tangent(robot: Robot, leg: LegTerms, x: Coordinates, qdd: Array, f: Array) -> LegTangent:
+def leg_tangent(mechanism: Mechanism, leg: LegTerms, x: Coordinates, qdd: Array, f: Array) -> LegTangent:
     """The legs of a group with accelerations q̈ (…, L, n) under contact forces f (…, L, t, 3) in Σp."""
     group, carries = leg.group, leg.group.type.carries
     n, rows = group.chain.n, 3 * len(group.tip_frames)
     force = mv(leg.R_ip, f)
-    found = residual_tangent(robot, group, leg_seeds(leg, x), qdd, force)
+    found = residual_tangent(mechanism, leg, leg_seeds(leg, x), qdd, force)
     R_pi = transpose(leg.R_ip[..., 0, :, :])
     JA = transpose(solve_definite(leg.A, transpose(leg.J)))
     H = blockwise(R_pi, found[..., n:, :]) - JA @ found[..., :n, :]
@@ -118,18 +117,19 @@ def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
     return join([merged(leg.place), merged(leg.velocity)])
 
 
-def residual_tangent(robot: Robot, group: LegGroup, seeds: Array, qdd: Array, force: Array) -> Array:
+def residual_tangent(mechanism: Mechanism, leg: LegTerms, seeds: Array, qdd: Array, force: Array) -> Array:
     """∂ of `leg_residual` by its seeds, (…, L, n + 3t, d); (…, L)."""
-    push = (len(group.tip_frames), 3)
+    push = (len(leg.group.tip_frames), 3)
 
-    def tangent(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> list[Array]:
-        force = force.reshape(force.shape[:-1] + push)
+    def tangent(group: LegGroup, *given: Array) -> Array:
+        seeds, qdd, force, branch, gravity = given
+        group, force = group.on(branch), force.reshape(force.shape[:-1] + push)
         local = mtv(group.rotation, gravity)
-        return [jacobian(lambda x: leg_residual(group, x, qdd, force, local), seeds)]
+        return jacobian(lambda x: leg_residual(group, x, qdd, force, local), seeds)
 
-    shape = (group.chain.n + 3 * len(group.tip_frames), seeds.shape[-1])
-    rows, shared = [seeds, qdd, merged(force)], [np.asarray(robot.gravity)]
-    return leg_by_leg(group, tangent, rows, shared, [shape])[0]
+    rows = [seeds, qdd, merged(force), leg.branch]
+    found: Array = each_leg(leg.group, tangent, rows, [mechanism.gravity])
+    return found
 
 
 def leg_residual(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> Array:

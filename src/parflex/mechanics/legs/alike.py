@@ -1,13 +1,12 @@
 """Legs of a group one by one: what is traced for one of them serves all that are alike."""
 
-import math
 from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 
 from parflex.base.array import Array, split
-from parflex.base.unroll import for_each, recorder
+from parflex.base.unroll import each, recorder
 from parflex.mechanics.legs.base import LegGroup
 
 STANDS = ("rotation", "origin")
@@ -22,30 +21,24 @@ def alike(group: LegGroup) -> bool:
     return all(np.all(table == table[:1]) for table in tables)
 
 
-def leg_by_leg(
-    group: LegGroup,
-    function: Callable[..., Sequence[Array]],
-    rows: Sequence[Array],
-    shared: Sequence[Array],
-    shapes: Sequence[tuple[int, ...]],
-) -> list[Array]:
-    """function(group, *rows, *shared) for rows (…, L, n_i): its parts (…, L, *shape)."""
+def each_leg(
+    group: LegGroup, function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array] = ()
+) -> Any:
+    """function(group, *rows, *shared), a tree of arrays (…, L, *shape), for rows (…, L, n_i).
+
+    It may be traced once, for one leg, where the legs are alike.
+    """
     if recorder(*rows, *shared) is None or not alike(group):
-        return list(function(group, *rows, *shared))
+        return function(group, *rows, *shared)
     count = len(group.legs)
     tables = [group.chain.tables[name] for name in own(group)] + [getattr(group, name) for name in STANDS]
     inner = [table.shape[1:] for table in tables]
 
-    def one(table: Array, *given: Array) -> Array:
-        found = function(holding(group, split(table, inner)), *given)
-        flat = [
-            np.broadcast_to(part, (1, len(table), *shape)).reshape(1, len(table), math.prod(shape))
-            for part, shape in zip(found, shapes, strict=True)
-        ]
-        return np.concatenate(flat, axis=-1)
+    def one(table: Array, *given: Array) -> Any:
+        return function(holding(group, split(table, inner)), *given)
 
     flat = np.concatenate([table.reshape(count, -1) for table in tables], axis=-1)
-    return split(for_each(one, [flat, *rows], shared), shapes)
+    return each(one, [flat, *rows], shared)
 
 
 def own(group: LegGroup) -> list[str]:

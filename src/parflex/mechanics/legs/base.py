@@ -9,8 +9,6 @@ from parflex.base.array import Array, stack
 from parflex.mechanics.chain import Chain, Frames, Joints, frames, tip_position
 from parflex.robot.leg import Leg
 
-MARGINS = 2  # reach and regularity, per leg
-
 
 class LegGroup(NamedTuple):
     """L legs of one type and equal structure, their tables side by side."""
@@ -26,8 +24,13 @@ class LegGroup(NamedTuple):
     actuated: tuple[int, ...]  # joint indices
     forces: Array  # (L, actuated) int, positions in Γ
     posture: Array  # (L, n)
-    branch: Array  # (L,), ±1: which solution of the inverse geometry
+    branch: Array  # (…, L), ±1: the solution of the inverse geometry
+    branched: Array  # (L, 1) int, positions among the state's branches; (L, 0) where the branch is fixed
     carried: Array  # (L, n) int, positions in the joints that the state carries; (L, 0) for none
+
+    def on(self, branch: Array) -> "LegGroup":
+        """The group on a branch (…, L, 1) of the state; as it is for (…, L, 0)."""
+        return self._replace(branch=branch[..., 0]) if branch.shape[-1] else self
 
     @property
     def closed(self) -> bool:
@@ -44,6 +47,7 @@ class LegType(ABC):
 
     name: str
     carries = False  # whether the legs' joints are carried in the state
+    two_branches = False  # whether the inverse geometry has two solutions
 
     @abstractmethod
     def recognises(self, leg: Leg) -> bool:

@@ -37,6 +37,7 @@ class Rods(LegType):
     """
 
     name = "rods"
+    two_branches = True
 
     def recognises(self, leg: Leg) -> bool:
         """Knuckles on link 1, each a hinge or a universal joint with crossing axes, one tip each."""

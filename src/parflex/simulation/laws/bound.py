@@ -6,9 +6,10 @@ from functools import cached_property, partial
 
 import numpy as np
 
-from parflex.analysis.singularities import check_legs
+from parflex.analysis.health import check_legs
 from parflex.base.array import Array
 from parflex.compiled.backend import Trigger
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.simulation.laws.law import Inputs, Law, Outputs, Replay
 from parflex.simulation.loads import Loads, at_times
@@ -18,14 +19,16 @@ class BoundLaw:
     """A law and the motion it causes, on flat vectors; for one thread."""
 
     def __init__(self, law: Law, model: Model, loads: Loads) -> None:
-        self.law, self.loads, self.robot = law, loads, model.robot
+        core = core_of(model)
+        self.law, self.loads, self.mechanism = law, loads, core.mechanism
         self.rows, self._starts = np.atleast_2d(law.rows), law.starts.tolist()
-        self.function = model.function(law.kernel, *law.outputs, loads.places)
-        self._derivative = partial(model.function, law.derivative, *law.outputs, loads.places)
-        self.inputs = Inputs(*(np.zeros(n) for n in self.function.kernel.inputs))
-        self.results = Outputs(*(np.zeros(n) for n in self.function.kernel.outputs))
+        self.function = core.functions(law.kernel, *law.outputs, loads.places)
+        self._derivative = partial(core.functions, law.derivative, *law.outputs, loads.places)
+        kernel = self.function.kernel
+        self.inputs = Inputs(**{name: np.zeros(n) for name, n in kernel.inputs.items()})
+        self.results = Outputs(**{name: np.zeros(n) for name, n in kernel.outputs.items()})
         self.inputs.pushes[:] = loads.pushes
-        self._run = self.function.bind(self.inputs, self.results)
+        self._run = self.function.bind(self.inputs._asdict(), self.results._asdict())
 
     @property
     def alone(self) -> bool:
@@ -49,7 +52,7 @@ class BoundLaw:
         """
         self._read(t, x)
         self._run()
-        check_legs(self.robot, self.results.health)
+        check_legs(self.mechanism, self.results.health)
         return self.results.rate, self.results.powers
 
     def forces(self, t: float, x: Array) -> Array:
@@ -60,7 +63,7 @@ class BoundLaw:
     @property
     def differentiable(self) -> bool:
         """Whether its derivative is compiled: nobody is called, and the state carries no joints."""
-        return self.law.differentiable and self.alone and self.robot.layout.carried == 0
+        return self.law.differentiable and self.alone and self.mechanism.layout.carried == 0
 
     def jacobian(self, t: float, x: Array) -> Array:
         """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
@@ -75,7 +78,8 @@ class BoundLaw:
         """Forces and motion at times (T,) and flat states (T, size); not numbers where they fail."""
         rows, raised = at_times(self.row, t, x, self.rows.shape[1])
         load, raised_too = self.loads.at(t, x)
-        found = Outputs(*self.function.each(*Inputs(x, t[:, None], rows, load, self.loads.pushes)))
+        given = Inputs(x, t[:, None], rows, load, self.loads.pushes)._asdict()
+        found = Outputs(**self.function.each(**given))
         load = load + self.loads.constant(x)
         return Replay(found.forces, found.rate, found.contact, load, raised or raised_too)
 
@@ -83,14 +87,14 @@ class BoundLaw:
     def _slopes(self) -> tuple[Trigger, Array]:
         """The compiled derivative, and where it leaves its answer."""
         function = self._derivative()
-        found = np.zeros(function.kernel.outputs[0])
-        return function.bind(self.inputs, [found]), found
+        found = np.zeros(function.kernel.outputs["slopes"])
+        return function.bind(self.inputs._asdict(), {"slopes": found}), found
 
     def _read(self, t: float, x: Array) -> None:
         """Fill the kernel's inputs."""
         own = self.inputs
         own.row[:] = self.row(t, x)
-        own.x[:], own.t[0], own.load[:] = x, t, self.loads(t, x)
+        own.x[:], own.time[0], own.load[:] = x, t, self.loads(t, x)
 
 
 def differences(function: Callable[[Array], Array], x: Array) -> Array:

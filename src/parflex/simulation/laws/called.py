@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws.bound import BoundLaw
@@ -39,7 +40,7 @@ class BoundCall(BoundLaw):
 
     def __init__(self, law: Law, model: Model, loads: Loads, function: ForceFunction) -> None:
         super().__init__(law, model, loads)
-        self._function, self._state = function, model.state
+        self._function, self._state = function, core_of(model).state
 
     @property
     def alone(self) -> bool:
@@ -47,7 +48,7 @@ class BoundCall(BoundLaw):
 
     def row(self, t: float, x: Array) -> Array:
         found = finite("controller(t, state)", self._function(t, self._state(x)))
-        m = self.robot.n_forces
+        m = self.mechanism.n_forces
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")
         return found

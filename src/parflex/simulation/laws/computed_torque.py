@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from parflex.analysis import singularities
+from parflex.analysis.watch import Watch
 from parflex.base import kinds
 from parflex.base.array import Array, block, join, mtv, mv, skew, transpose
 from parflex.base.check import finite, of_type
@@ -18,14 +18,15 @@ from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.kernels.segment import SEGMENT, along
 from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives import sensitivity
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput, Output
 from parflex.mechanics.platform import axial
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.layout import Coordinates
-from parflex.robot.robot import Robot
 from parflex.simulation.laws.controller import INDEX, Controller, Entry, Start, stacked_row
 from parflex.simulation.laws.law import Law
 from parflex.simulation.trajectory import Trajectory
@@ -33,7 +34,7 @@ from parflex.simulation.trajectory import Trajectory
 GAINS = 12  # kp 6, kd 6
 
 
-def tracking(robot: Robot, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
     """The motion under computed torque; the row is (segment 21, gains 12, preload m).
 
     The law reckons with no load: what the wrenches do, the feedback meets.
@@ -41,26 +42,24 @@ def tracking(robot: Robot, output: Output, places: tuple[Place, ...]) -> Kernel:
 
     def law(system: System, t: Array, row: Array, load: Array) -> Answer:
         target, preload = tracking_target(system.x, t, row, output), row[..., SEGMENT + GAINS :]
-        none = np.zeros(6 + robot.platform.modes)
-        found = dynamics.inverse_of(robot, system, target, none, output, preload, unforeseen=load)
+        none = np.zeros(6 + mechanism.platform.modes)
+        found = dynamics.inverse_of(system, target, none, output, preload, unforeseen=load)
         return found.forces, found.acceleration
 
-    return motion("tracking", robot, SEGMENT + GAINS + robot.n_forces, law, places, output)
+    return motion("tracking", mechanism, SEGMENT + GAINS + mechanism.n_forces, law, places, output)
 
 
-def tracking_jacobian(robot: Robot, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking_jacobian(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
     """The derivative of the motion under computed torque, of as many outputs as actuators."""
-    none, unloaded = np.zeros(robot.n_forces), np.zeros(6 + robot.platform.modes)
+    none, unloaded = np.zeros(mechanism.n_forces), np.zeros(6 + mechanism.platform.modes)
 
     def drive(system: System, t: Array, row: Array) -> ForceChange:
         target = tracking_target(system.x, t, row, output)
-        u = dynamics.inverse_of(robot, system, target, unloaded, output, none).forces
-        by_state, by_target = sensitivity.inverse_sensitivity(
-            robot, system, target, lambda x: unloaded, output
-        )
+        u = dynamics.inverse_of(system, target, unloaded, output, none).forces
+        by_state, by_target = sensitivity.inverse_sensitivity(system, target, lambda x: unloaded, output)
         return u, by_state + by_target @ target_tangent(system.x, t, row, output)
 
-    return motion_jacobian(tracking(robot, output, places), places, drive)
+    return motion_jacobian(tracking(mechanism, output, places), places, drive)
 
 
 def tracking_target(now: Coordinates, t: Array, row: Array, output: Output) -> Array:
@@ -153,7 +152,7 @@ class ComputedTorque(Controller):
             way.starts[1:],
             (self.output,),
             differentiable=self.output.size == m,
-            watch=singularities.Watch(model, self.output),
+            watch=Watch(core_of(model).functions, self.output),
         )
 
     @classmethod

@@ -12,31 +12,31 @@ from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Answer, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.mechanics import dynamics
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.model import Model
 from parflex.robot.fields import held
-from parflex.robot.robot import Robot
 from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import Law
 
 
-def given_forces(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+def given_forces(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The motion under forces that stand in the row (m)."""
 
     def law(system: System, t: Array, row: Array, load: Array) -> Answer:
-        return row, dynamics.direct_of(robot, system, row, load)
+        return row, dynamics.direct_of(system, row, load)
 
-    return motion("given_forces", robot, robot.n_forces, law, places)
+    return motion("given_forces", mechanism, mechanism.n_forces, law, places)
 
 
-def given_forces_jacobian(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+def given_forces_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The derivative of the motion under forces that stand in the row."""
 
     def drive(system: System, t: Array, row: Array) -> ForceChange:
-        return row, np.zeros((robot.n_forces, 12 + 2 * robot.platform.modes))
+        return row, np.zeros((mechanism.n_forces, mechanism.layout.motion_size))
 
-    return motion_jacobian(given_forces(robot, places), places, drive)
+    return motion_jacobian(given_forces(mechanism, places), places, drive)
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,6 +14,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.kinds import Kind
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws.bound import BoundLaw
@@ -54,19 +55,18 @@ class Controller(ABC):
 
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
-        model = self.model.of(state)
-        return self._bound(model).forces(t, model.flat(state))
+        return self._bound(self.model).forces(t, core_of(self.model).flat(state))
 
     @abstractmethod
     def law(self, model: Model) -> Law:
-        """What is compiled of the controller, on the assembly branch of a model."""
+        """The law that is compiled of the controller for a model."""
 
     def bind(self, model: Model, loads: Loads) -> BoundLaw:
         """The law on flat vectors under loads, for one simulation.
 
         Raises InputError where the controller was made for another model.
         """
-        if not model.is_of(self.model):
+        if model is not self.model:
             raise InputError(
                 "the controller was made for another model than the one simulated; make it with that model, "
                 "or pass a function (t, state) -> forces that calls the other model's inverse"

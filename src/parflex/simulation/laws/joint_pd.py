@@ -17,46 +17,48 @@ from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.derivatives.joint_tangent import joint_tangent
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.wrench import Place
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
-from parflex.robot.robot import Robot
 from parflex.robot.state import State
 from parflex.simulation.laws.controller import Controller, Entry, Start, stacked_row
 from parflex.simulation.laws.law import Law
 from parflex.simulation.trajectory import Trajectory
 
 
-def springs(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+def springs(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The motion under springs and dampers; the row is (Γ_0 m, kp m, kd m, reference m)."""
 
     def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
-        u = spring_forces(robot, system, row)
-        return u, dynamics.direct_of(robot, system, u, load)
+        u = spring_forces(system, row)
+        return u, dynamics.direct_of(system, u, load)
 
-    return motion("springs", robot, 4 * robot.n_forces, law, places)
+    return motion("springs", mechanism, 4 * mechanism.n_forces, law, places)
 
 
-def springs_jacobian(robot: Robot, places: tuple[Place, ...]) -> Kernel:
+def springs_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The derivative of the motion under springs and dampers."""
 
     def drive(system: assembly.System, t: Array, row: Array) -> ForceChange:
         _, kp, kd, _ = quarters(row)
-        positions, rates = joint_tangent(robot, system)
+        positions, rates = joint_tangent(system)
         change = -kp[..., None] * positions - kd[..., None] * rates
-        return spring_forces(robot, system, row), change
+        return spring_forces(system, row), change
 
-    return motion_jacobian(springs(robot, places), places, drive)
+    return motion_jacobian(springs(mechanism, places), places, drive)
 
 
-def spring_forces(robot: Robot, system: assembly.System, row: Array) -> Array:
+def spring_forces(system: assembly.System, row: Array) -> Array:
     """Γ (…, m) of springs and dampers; angles are known up to full turns."""
-    slides = np.array([joint.sigma for leg in robot.legs for joint in leg.joints if joint.mu])
+    m = system.mechanism
+    slides = m.slides[m.driven][m.force_order]
     preload, kp, kd, wanted = quarters(row)
-    ahead = wanted - assembly.actuated_positions(robot, system)
+    ahead = wanted - assembly.actuated_positions(system)
     turned = np.arctan2(np.sin(ahead), np.cos(ahead))
     ahead = slides * ahead + (1 - slides) * turned
-    return preload + kp * ahead - kd * assembly.joint_rates(robot, system)
+    return preload + kp * ahead - kd * assembly.joint_rates(system)
 
 
 def quarters(row: Array) -> list[Array]:
@@ -101,7 +103,8 @@ class JointPD(Controller):
             object.__setattr__(self, name, value)
 
     def law(self, model: Model) -> Law:
-        wanted = model.function(models.actuators)(model.flat(self.reference))[0]
+        core = core_of(model)
+        wanted = core.functions(models.actuators)(x=core.flat(self.reference))["positions"]
         row = stacked_row(len(wanted), self.forces, self.kp, self.kd, wanted)
         return Law(springs, springs_jacobian, row)
 

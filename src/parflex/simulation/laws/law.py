@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.analysis.singularities import Watch
+from parflex.analysis.watch import Watch
 from parflex.base.array import Array
 from parflex.kernels.kernel import Kernel
 from parflex.mechanics.output import Output
@@ -18,7 +18,7 @@ class Inputs(NamedTuple):
     """What the kernel of a motion reads."""
 
     x: Array  # (size,)
-    t: Array  # (1,) s
+    time: Array  # (1,) s
     row: Array  # of the law's schedule
     load: Array  # (6 + N,) a generalised force, beside the constant wrenches
     pushes: Array  # (6 L,) the constant wrenches
@@ -48,7 +48,7 @@ class Replay(NamedTuple):
 class Law:
     """What a controller gives to be compiled, and the rows of numbers by which the compiled law acts.
 
-    kernel and derivative are functions (robot, *outputs, places) that make the kernels of the motion
+    kernel and derivative are functions (mechanism, *outputs, places) that make the kernels of the motion
     under the law and of its ∂ẋ/∂x. The first of the rows (r, n) holds from the beginning, and from each
     of the times `starts` on the next.
     """

@@ -4,14 +4,13 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from parflex.analysis.singularities import SINGULAR
+from parflex.analysis.health import SINGULAR
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.compiled.at import At
 from parflex.compiled.backend import Function
 from parflex.compiled.native.driver import block, right_hand_side
 from parflex.compiled.native.native import NativeFunction, addresses
-from parflex.mechanics.legs.base import MARGINS
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.law import Inputs, Outputs
 from parflex.simulation.steppers.cyrk import DONE, METHODS, MORE, solver
@@ -49,10 +48,10 @@ class CyrkSteps(Stepper):
             run=function.address,
             pointers=self._pointers.ctypes.data,
             rates=self._pointers[len(self._inputs) + RATE :].ctypes.data,
-            time=law.inputs.t.ctypes.data,
+            time=law.inputs.time.ctypes.data,
             health=law.results.health.ctypes.data,
             refused=self._refused.ctypes.data,
-            margins=MARGINS * len(law.robot.legs),
+            margins=law.mechanism.health.margins.stop,
             size=law.inputs.x.size,
             total=len(y),
         )
@@ -105,7 +104,7 @@ def cyrk_steps(
     function: Function = law.function
     more: list[Array] = []
     if isinstance(function, At):
-        more, function = [function.theta], function.function
+        more, function = list(function.given.values()), function.function
     if not law.alone or not isinstance(function, NativeFunction):
         return None
     try:

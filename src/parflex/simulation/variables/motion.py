@@ -75,7 +75,7 @@ MOTION_VARIABLES = (
         ("time", "attachment", "axis"),
         "N",
         "forces of the legs on the platform, in platform axes",
-        lambda run: by_attachment(run.robot, run.replay.contact),
+        lambda run: by_attachment(run.mechanism, run.replay.contact),
         missed="the forces at the joints",
     ),
 )

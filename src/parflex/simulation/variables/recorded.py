@@ -7,11 +7,11 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.kernels.segment import Sample
 from parflex.mechanics.energy import Energies, energies
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.ordering import Joints, joints_of
 from parflex.mechanics.paths import Paths, leg_paths
 from parflex.mechanics.system import System, assemble
 from parflex.robot.layout import Coordinates, coordinates
-from parflex.robot.robot import Robot
 from parflex.simulation.integrate import Run
 from parflex.simulation.laws.law import Replay
 from parflex.simulation.trajectory import Trajectory
@@ -20,24 +20,25 @@ from parflex.simulation.trajectory import Trajectory
 class Recorded:
     """The states of a run, what its law did, and what several variables need; computed at first need."""
 
-    def __init__(self, robot: Robot, run: Run, replay: Replay, trajectory: Trajectory | None) -> None:
-        self.robot, self.run, self.replay, self.trajectory = robot, run, replay, trajectory
+    def __init__(self, mechanism: Mechanism, run: Run, replay: Replay, trajectory: Trajectory | None) -> None:
+        self.mechanism, self.robot = mechanism, mechanism.robot
+        self.run, self.replay, self.trajectory = run, replay, trajectory
         self.t = run.t  # (T,) s
 
     @cached_property
     def state(self) -> Coordinates:
         """The states (T, …)."""
-        return coordinates(self.run.x, self.robot.layout)
+        return coordinates(self.run.x, self.mechanism.layout)
 
     @cached_property
     def system(self) -> System:
         """The mechanics at the states."""
-        return assemble(self.robot, self.state)
+        return assemble(self.mechanism, self.state)
 
     @cached_property
     def joints(self) -> Joints:
         """Joint positions and rates, (T, n_i) for each leg."""
-        return joints_of(self.robot, self.system)
+        return joints_of(self.system)
 
     @cached_property
     def paths(self) -> Paths:
@@ -47,20 +48,19 @@ class Recorded:
     @cached_property
     def energies(self) -> Energies:
         """Energies (T,) J."""
-        return energies(self.robot, self.system)
+        return energies(self.system)
 
     @cached_property
     def acceleration(self) -> Array:
         """(T, 6) of the platform frame, resolved in its axes: the rates of the twist, and ω × v."""
-        twist, found = self.state.twist, self.replay.rate[:, 7:13].copy()
+        twist, found = self.state.twist, self.replay.rate[:, self.mechanism.layout.at.twist].copy()
         found[:, :3] += np.cross(twist[:, 3:], twist[:, :3])
         return found
 
     @cached_property
     def elastic_acceleration(self) -> Array:
         """(T, N)."""
-        N = self.robot.platform.modes
-        return self.replay.rate[:, 13 + N : 13 + 2 * N]
+        return self.replay.rate[:, self.mechanism.layout.at.elastic_rate]
 
     @cached_property
     def wanted(self) -> Sample | None:

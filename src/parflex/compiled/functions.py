@@ -1,0 +1,57 @@
+"""The kernels of one mechanism, compiled when they are first asked for, and kept."""
+
+from copy import copy
+from functools import cached_property
+from threading import Lock
+
+from parflex.base.array import Array
+from parflex.compiled.at import At
+from parflex.compiled.backend import Backend, Function
+from parflex.kernels.kernel import Kernel
+from parflex.kernels.parametrised import Build, Parametrised, parametrised
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.redundancy import with_rows
+from parflex.robot.parameters import Parameters
+
+
+class Functions:
+    """The compiled functions of a mechanism at some values of its parameters; shared by threads."""
+
+    def __init__(self, mechanism: Mechanism, backend: Backend, parameters: Parameters) -> None:
+        self.mechanism, self.backend = mechanism, backend
+        self.parameters, self.theta = parameters, parameters.own
+        self._first = mechanism
+        self._kept: dict[object, Function] = {}
+        self._lock = Lock()
+
+    def at(self, mechanism: Mechanism, theta: Array) -> "Functions":
+        """The same compiled functions at other values θ (P,), which the mechanism has in its tables."""
+        other = copy(self)
+        other.mechanism, other.theta = mechanism, theta
+        return other
+
+    def __call__(self, build: Build, *chosen: object, theta: Array | None = None) -> Function:
+        """The function of the kernel that `build` makes of the mechanism and of what else it takes.
+
+        It reads flat float arrays; parameters are at θ (…, P), by default those of this object.
+        """
+        key = (build, *chosen)
+        with self._lock:
+            if key not in self._kept:
+                self._kept[key] = self.backend.compile(self._kernel(build, *chosen))
+            found = self._kept[key]
+        if not self.parameters.items:
+            return found
+        return At(found, theta=self.theta if theta is None else theta)
+
+    def _kernel(self, build: Build, *chosen: object) -> Kernel:
+        """The kernel, which takes θ where there are parameters."""
+        kernel = build(self._solvable, *chosen)
+        if not self.parameters.items or isinstance(kernel, Parametrised):
+            return kernel
+        return parametrised(self.parameters, self._solvable, build, *chosen)
+
+    @cached_property
+    def _solvable(self) -> Mechanism:
+        """The first mechanism, with the rows of its closure that the models solve."""
+        return with_rows(self._first)

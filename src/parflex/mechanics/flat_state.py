@@ -1,0 +1,138 @@
+"""From a state to the flat vector that the models read, and back: the first thing that every call does.
+
+A state of a robot with lower mobility, or with joints of its own, satisfies the closure or is no state.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.check import of_type
+from parflex.base.errors import InputError, NotConverged
+from parflex.base.spatial import within_half_a_turn
+from parflex.mechanics.closure import ALL, CLOSED, JOINTS, POSE, closed, with_rates
+from parflex.mechanics.legs.base import LegGroup, joints_at, tips_at
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.ordering import joints_of
+from parflex.mechanics.system import examined
+from parflex.robot.layout import checked_flat, pack, unpack
+from parflex.robot.leg import Leg
+from parflex.robot.robot import Robot
+from parflex.robot.state import State
+
+FAR = 0.5  # rad, between a joint that is given and the closed form's: another branch
+
+LegJoints = tuple[Array | None, ...]
+
+
+def flat_state(mechanism: Mechanism, state: State) -> Array:
+    """The flat state (…, size); joints that it carries are closed by Newton's method.
+
+    Raises InputError where the state does not fit the robot, or its joints are on another branch.
+    """
+    layout = mechanism.layout
+    of_type("state", state, State)
+    check_joints(mechanism.robot, state)
+    if layout.carried:
+        x = pack(started(mechanism.robot, state), layout)
+        x = with_rates(mechanism, closed(mechanism, x, JOINTS)[0], JOINTS)
+    else:
+        x = pack(state, layout)
+    if state.joints is not None:
+        x = on_branches(mechanism, x, state.joints)
+        check_branch(mechanism, x, state.joints)
+    return x
+
+
+def state_of(mechanism: Mechanism, x: Array) -> State:
+    """The state of a flat vector (…, size); with all joints where they name the branch of a leg.
+
+    Raises InputError for a wrong length, values that are not finite, or a quaternion of length zero.
+    """
+    layout = mechanism.layout
+    found = unpack(x, layout)
+    if not layout.branched:
+        return found
+    legs = joints_of(examined(mechanism, checked_flat(x, layout))[0])
+    return replace(found, joints=legs.q, joint_rates=legs.qd)
+
+
+def projected(mechanism: Mechanism, state: State) -> Array:
+    """The flat state on the closure nearest to a state: its pose is moved, or else its bend too.
+
+    Raises NotConverged where there is none near.
+    """
+    x = flat_state(mechanism, state)
+    for freedom in (POSE, ALL):
+        found, gap = closed(mechanism, x, freedom)
+        if np.all(gap <= 10 * CLOSED * mechanism.size):
+            return with_rates(mechanism, found, freedom)
+    raise NotConverged(
+        f"no state on the closure was found near the given one: a gap of {np.max(gap):.1e} m remains at "
+        f"some tip; give a pose nearer to one the robot can take, and the legs' joints with it"
+    )
+
+
+def started(robot: Robot, state: State) -> State:
+    """The state with the legs' postures where it names no joints."""
+    given = state.joints or (None,) * len(robot.legs)
+    postures = [np.zeros(len(leg.joints)) if leg.posture is None else leg.posture for leg in robot.legs]
+    joints = tuple(p if q is None else q for q, p in zip(given, postures, strict=True))
+    return replace(state, joints=joints)
+
+
+def check_joints(robot: Robot, state: State) -> None:
+    """Raise InputError where the joints that a state names are not those of the legs."""
+    counts = [len(leg.joints) for leg in robot.legs]
+    for name in ("joints", "joint_rates"):
+        values = getattr(state, name)
+        if values is not None and len(values) != len(counts):
+            raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
+        for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
+            if value is not None and value.shape[-1] != count:
+                raise InputError(
+                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                    f"last axis must be {count} long"
+                )
+
+
+def on_branches(mechanism: Mechanism, x: Array, joints: LegJoints) -> Array:
+    """The flat state with the branches that joints name, of legs whose branch is an entry of it."""
+    start = mechanism.layout.at.branches.start
+    for group in mechanism.groups:
+        for leg, place in zip(group.legs, group.branched, strict=True):
+            if place.size and (q := joints[leg]) is not None:
+                x = np.array(x)
+                x[..., start + place[0]] = branch_at(group, leg, q)
+    return x
+
+
+def branch_at(group: LegGroup, leg: int, q: Array) -> Array:
+    """The branch (…,), ±1, of a leg of a group with joints q (…, n)."""
+    at = joints_at(group.chain, q[..., None, :])
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return group.type.branch(group, at, tips_at(group, at))[..., group.legs.index(leg)]
+
+
+def check_branch(mechanism: Mechanism, x: Array, joints: LegJoints) -> None:
+    """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
+    stands = joints_of(examined(mechanism, x)[0]).q
+    for number, (leg, given) in enumerate(zip(mechanism.robot.legs, joints, strict=True)):
+        if given is None or mechanism.layout.joints[number]:
+            continue
+        turn = turned(leg, stands[number], given).reshape(-1, len(leg.joints))
+        where = np.argwhere(turn.T > FAR)
+        if len(where):
+            j = where[0][0]
+            raise InputError(
+                f"State.joints[{number}] is on another assembly branch than leg {number + 1}: joint "
+                f"{j + 1} differs by {np.nanmax(turn[:, j]):.2f} rad; leave it None, or give "
+                f"the leg a posture on the branch that you want"
+            )
+
+
+def turned(leg: Leg, q: Array, reference: Array) -> Array:
+    """The angles (…, n) rad between joints and a reference; zero for sliding ones."""
+    turns = np.array([1 - joint.sigma for joint in leg.joints])
+    return turns * np.abs(within_half_a_turn(q - reference))

@@ -1,0 +1,224 @@
+"""A robot as the mechanics reads it: legs gathered, tables side by side, and the orders that undo this."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.mechanics.chain import chain_of, joined
+from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
+from parflex.mechanics.legs.base import settled
+from parflex.mechanics.platform import Platform, platform_of
+from parflex.robot.layout import Layout, spans
+from parflex.robot.leg import Leg
+from parflex.robot.robot import Robot
+
+
+class Health(NamedTuple):
+    """Where the entries of `system.health` lie, all in the order of the legs.
+
+    The orders give the place of each entry among those by group.
+    """
+
+    reach: slice
+    regularity: slice
+    gap: slice
+    gap_rate: slice
+    leg_order: Array
+    gap_order: Array
+    gap_legs: Array  # the number of the leg that each gap belongs to
+
+    @property
+    def margins(self) -> slice:
+        """Reach and regularity together."""
+        return slice(0, self.regularity.stop)
+
+    @property
+    def size(self) -> int:
+        """How many entries there are."""
+        return self.gap_rate.stop
+
+
+class Rows(NamedTuple):
+    """Closure rows by number: independent ones, those that depend on them, and the way back."""
+
+    kept: Array
+    dropped: Array
+    order: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Mechanism:
+    """What the mechanics reads of a robot.
+
+    Legs of one type and equal structure are a group, and inside the mechanics tips, joints and forces stand
+    group by group; `force_order`, `joint_order` and `tip_order` put them in the order of the legs, in which
+    everybody else has them. With other numbers in its tables it is another mechanism, `dataclasses.replace`.
+    `rows`, of which the models solve the independent ones, are found by `redundancy.with_rows`.
+    """
+
+    robot: Robot
+    groups: tuple[LegGroup, ...]
+    platform: Platform
+    gravity: Array  # (3,) in Σ0
+    rows: Rows | None = None
+
+    @property
+    def solved_rows(self) -> Rows:
+        """The rows of the closure that the models solve."""
+        assert self.rows is not None, "the models need redundancy.with_rows(mechanism)"
+        return self.rows
+
+    @cached_property
+    def n_forces(self) -> int:
+        """m, the number of actuated joints."""
+        return self.robot.n_forces
+
+    @cached_property
+    def layout(self) -> Layout:
+        """What the flat state holds."""
+        carried, branched = [0] * len(self.robot.legs), []
+        for group in self.groups:
+            for number in group.legs:
+                carried[number] = group.carried.shape[1]
+                branched += [number] * group.branched.shape[1]
+        return Layout(self.platform.modes, tuple(carried), tuple(sorted(branched)))
+
+    @cached_property
+    def closed(self) -> bool:
+        """Whether every state is on the closure: each tip is where the platform has it by itself."""
+        return all(group.closed for group in self.groups)
+
+    @cached_property
+    def size(self) -> float:
+        """Root mean square distance of the attachments from their centre, m."""
+        return self.platform.body.size
+
+    @cached_property
+    def legs(self) -> Array:
+        """The numbers of the legs, group by group."""
+        return np.array([number for group in self.groups for number in group.legs], dtype=int)
+
+    @cached_property
+    def attachments(self) -> Array:
+        """The attachment that each tip holds."""
+        return stacked(group.attachments for group in self.groups)
+
+    @cached_property
+    def held(self) -> Array:
+        """(attachments, tips in the order of the legs): 1 where the tip holds the attachment."""
+        count = len(self.platform.body.attachments)
+        by_leg = [tip.attachment for leg in self.robot.legs for tip in leg.tips]
+        return (np.arange(count)[:, None] == np.array(by_leg, dtype=int)).astype(float)
+
+    @cached_property
+    def tip_order(self) -> Array:
+        """The place of each tip, by leg, among the tips by group."""
+        numbers = [n for group in self.groups for n in np.repeat(group.legs, len(group.tip_frames))]
+        return np.argsort(np.array(numbers, dtype=int), kind="stable")
+
+    @cached_property
+    def force_order(self) -> Array:
+        """The place of each entry of Γ among the actuated joints by group."""
+        return np.argsort(stacked(group.forces for group in self.groups))
+
+    @cached_property
+    def carried_order(self) -> Array:
+        """The place of each joint carried in the state among the carried joints by group."""
+        return np.argsort(stacked(group.carried for group in self.groups))
+
+    @cached_property
+    def contact_order(self) -> Array:
+        """The place of each contact force component, by leg and tip, among those by group."""
+        return (3 * self.tip_order[:, None] + np.arange(3)).reshape(-1)
+
+    @cached_property
+    def health(self) -> Health:
+        """Where reach, regularity and gaps of the legs lie in `system.health`."""
+        gaps = [n for g in self.groups if not g.closed for n in np.repeat(g.legs, 3 * len(g.tip_frames))]
+        legs, open_gaps = self.legs, np.array(gaps, dtype=int)
+        parts = spans(len(legs), len(legs), len(gaps), len(gaps))
+        reach, regularity, gap, gap_rate = parts
+        orders = np.argsort(legs), np.argsort(open_gaps, kind="stable"), np.sort(open_gaps)
+        return Health(reach, regularity, gap, gap_rate, *orders)
+
+    @cached_property
+    def slides(self) -> Array:
+        """Whether joints are prismatic, group by group."""
+        return np.array([bool(j.sigma) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
+
+    @cached_property
+    def driven(self) -> Array:
+        """Whether joints are actuated, group by group."""
+        return np.array([bool(j.mu) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
+
+
+def stacked(parts: Any) -> Array:
+    """Numbers of all groups, one after the other."""
+    return np.concatenate([np.zeros(0, dtype=int), *(part.reshape(-1) for part in parts)])
+
+
+def mechanism_of(robot: Robot, leg_types: Sequence[LegType] = ALL_LEG_TYPES) -> Mechanism:
+    """The mechanism of a robot, each leg of the first type that knows it; the last type takes every leg."""
+    gathered: dict[object, list[LegGroup]] = {}
+    forces = joints = branches = 0
+    for number, leg in enumerate(robot.legs):
+        group = alone(number, leg, leg_types)
+        group = group._replace(
+            forces=forces + group.forces, carried=joints + group.carried, branched=branches + group.branched
+        )
+        forces, joints = forces + group.forces.size, joints + group.carried.size
+        branches += group.branched.size
+        gathered.setdefault((group.type.name, leg.structure, group.branched.size), []).append(group)
+    groups = tuple(side_by_side(groups) for groups in gathered.values())
+    return Mechanism(robot, groups, platform_of(robot.platform), np.asarray(robot.gravity))
+
+
+def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
+    """A group of one leg, of the first type that knows it; its entries in Γ, q and the branches from 0."""
+    n = len(leg.joints)
+    actuated = tuple(j for j, joint in enumerate(leg.joints) if joint.mu)
+    none = np.zeros((1, 0), dtype=int)
+    bare = LegGroup(
+        type=leg_types[-1],
+        legs=(number,),
+        chain=chain_of(leg),
+        rotation=np.asarray(leg.rotation)[None],
+        origin=np.asarray(leg.origin)[None],
+        tip_frames=tuple(tip.frame - 1 for tip in leg.tips),
+        offsets=np.array([[tip.offset for tip in leg.tips]]),
+        attachments=np.array([[tip.attachment for tip in leg.tips]]),
+        actuated=actuated,
+        forces=np.arange(len(actuated))[None],
+        posture=np.zeros((1, n)) if leg.posture is None else np.asarray(leg.posture)[None],
+        branch=np.ones(1),
+        branched=none,
+        carried=none,
+    )
+    for known in leg_types:
+        if not known.recognises(leg):
+            continue
+        group = bare._replace(type=known)
+        if known.carries:
+            return group._replace(carried=np.arange(n)[None])
+        if leg.posture is None:
+            return group._replace(branched=np.zeros((1, 1), dtype=int)) if known.two_branches else group
+        if (on_branch := settled(group)) is not None:
+            return on_branch
+    raise AssertionError("the last leg type takes every leg")
+
+
+def side_by_side(groups: list[LegGroup]) -> LegGroup:
+    """Groups of one type and equal structure as one."""
+    first = groups[0]
+    if len(groups) == 1:
+        return first
+    arrays = [name for name, value in first._asdict().items() if isinstance(value, np.ndarray)]
+    together = {name: np.concatenate([getattr(group, name) for group in groups]) for name in arrays}
+    chain = joined([group.chain for group in groups])
+    legs = tuple(number for group in groups for number in group.legs)
+    same: dict[str, Any] = {**together, "chain": chain, "legs": legs}
+    return first._replace(**same)

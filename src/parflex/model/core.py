@@ -1,0 +1,70 @@
+"""What the rest of the library reads of a model: the mechanism, its compiled functions, checked states."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from parflex.analysis.health import check_health
+from parflex.base.array import Array
+from parflex.compiled import choose
+from parflex.compiled.functions import Functions
+from parflex.mechanics.designs import rebuilt
+from parflex.mechanics.flat_state import flat_state, state_of
+from parflex.mechanics.mechanism import Mechanism, mechanism_of
+from parflex.mechanics.system import System, examined
+from parflex.robot.parameters import Parameters
+from parflex.robot.robot import Robot
+from parflex.robot.state import State
+
+if TYPE_CHECKING:
+    from parflex.model.model import Model
+
+
+@dataclass(frozen=True, eq=False)
+class Core:
+    """A mechanism and its compiled functions, at some values of the parameters."""
+
+    mechanism: Mechanism
+    functions: Functions
+
+    @property
+    def robot(self) -> Robot:
+        """The robot itself."""
+        return self.mechanism.robot
+
+    def at(self, theta: Array) -> "Core":
+        """The core at other values θ (P,) of the parameters; it shares all compiled functions.
+
+        Raises InputError for values that the robot itself would refuse.
+        """
+        mechanism = mechanism_of(rebuilt(self.functions.parameters, theta))
+        return Core(mechanism, self.functions.at(mechanism, theta))
+
+    def flat(self, state: State) -> Array:
+        """The flat state (…, size), as `flat_state`."""
+        return flat_state(self.mechanism, state)
+
+    def state(self, x: Array) -> State:
+        """The state of a flat vector (…, size), as `state_of`."""
+        return state_of(self.mechanism, x)
+
+    def system(self, state: State) -> System:
+        """The mechanics at a state or a batch of them: legs, platform, closure.
+
+        Raises InputError for a state off the closure, OutOfReach and SingularPose where a leg's inverse
+        geometry fails.
+        """
+        system, health = examined(self.mechanism, self.flat(state))
+        check_health(self.mechanism, health)
+        return system
+
+
+def made(robot: Robot, backend: str, parameters: Sequence[str]) -> Core:
+    """The core of a robot; raises InputError for an unknown backend or parameter."""
+    mechanism = mechanism_of(robot)
+    return Core(mechanism, Functions(mechanism, choose(backend), Parameters(robot, parameters)))
+
+
+def core_of(model: "Model") -> Core:
+    """The core of a model."""
+    return model._core
