@@ -52,12 +52,13 @@ def contact_system(system: System, wrench: Array) -> Contact:
     return Contact(MobileInertia(E, A_s, B), C, compliance, rhs, JAS, c_s, c_e)
 
 
-def loaded(contact: Contact, wrench: Array) -> Contact:
+def loaded(system: System, contact: Contact, wrench: Array) -> Contact:
     """The same system under one more generalised force (…, 6 + N)."""
     E, A_s, B = contact.inertia
     w_e = wrench[..., 6:]
     w_s = wrench[..., :6] - mv(E, w_e)
     pushed = mtv(B, factored_solve(A_s, w_s[..., None])[..., 0])
+    pushed = pushed + mtv(system.W_e, system.mechanism.platform.modal_solve(w_e[..., None])[..., 0])
     return contact._replace(rhs=contact.rhs - pushed, c_s=contact.c_s - w_s, c_e=contact.c_e - w_e)
 
 

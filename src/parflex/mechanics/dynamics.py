@@ -85,7 +85,7 @@ def inverse_of(
     """The inverse model of an assembled system; accelerations are those under one more load, unforeseen."""
     body, x = system.mechanism.platform.body, system.x
     contact = contact_system(system, wrench)
-    actual = contact if unforeseen is None else loaded(contact, unforeseen)
+    actual = contact if unforeseen is None else loaded(system, contact, unforeseen)
     columns = np.concatenate([stack([contact.rhs, actual.rhs]), contact.JAS], axis=-1)
     f = contact_forces(system.mechanism, contact.C, columns)
     f_0, f_1, F = f[..., 0], f[..., 1], f[..., 2:]
