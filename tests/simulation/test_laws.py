@@ -18,7 +18,7 @@ from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives.joint_tangent import joint_tangent
 from parflex.mechanics.system import joint_rates
 from parflex.simulation.laws import ALL_LAWS
-from parflex.simulation.laws.controller import Controller, Entry
+from parflex.simulation.laws.controller import Controller, TableEntry
 from parflex.simulation.laws.law import Law
 
 TIMES = np.linspace(0, 0.05, 6)
@@ -47,7 +47,7 @@ class Dampers(Controller):
 
     kind = "dampers"
     about = "Dampers on the actuated joints."
-    entries = (Entry("damping", NUMBER, "N s/m or N m s/rad", 1.0),)
+    entries = (TableEntry("damping", NUMBER, "N s/m or N m s/rad", 1.0),)
 
     model: pf.Model
     damping: float

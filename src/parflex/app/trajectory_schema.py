@@ -10,7 +10,7 @@ from parflex.base.check import NOT_NEGATIVE, POSITIVE
 from parflex.base.kinds import Kind
 from parflex.files.tables import ZEROS, Measure, Point, Rotation, Table, Time, Whole, several
 from parflex.simulation.laws import ALL_LAWS
-from parflex.simulation.laws.controller import INDEX, NEEDED, Controller
+from parflex.simulation.laws.controller import INDEX, REQUIRED, Controller
 
 FORMAT = "parflex-trajectory-1"
 
@@ -57,7 +57,7 @@ def table_of(law: type[Controller]) -> type[Table]:
     """The table [controller] of a law, made from its entries."""
     fields: dict[str, Any] = {"kind": (Literal[law.kind], ...)}
     for entry in law.entries:
-        default = ... if entry.default is NEEDED else entry.default
+        default = ... if entry.default is REQUIRED else entry.default
         kind = type_of(entry.measure) | None if default is None else type_of(entry.measure)
         fields[entry.name] = (kind, Field(default, description=entry.words))
     return create_model(f"{law.__name__}Table", __base__=Table, __doc__=law.about, **fields)

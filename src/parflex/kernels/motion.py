@@ -14,8 +14,8 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.wrench import Place, pushed
 
-Answer = tuple[Array, Acceleration]  # Γ, and the accelerations under it and the load
-ForceLaw = Callable[[assembly.System, Array, Array, Array], Answer]  # of the system, time (…,), row and load
+Driven = tuple[Array, Acceleration]  # Γ, and the accelerations under it and the load
+ForceLaw = Callable[[assembly.System, Array, Array, Array], Driven]  # of the system, time (…,), row and load
 
 
 def derivative(mechanism: Mechanism) -> Kernel:

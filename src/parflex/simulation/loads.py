@@ -35,7 +35,7 @@ class Loads:
 
     @property
     def steady(self) -> bool:
-        """Whether they are constant."""
+        """True where they are constant."""
         return self._function is None
 
     def __call__(self, t: float, x: Array) -> Array:

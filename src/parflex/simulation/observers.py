@@ -1,4 +1,4 @@
-"""What looks at a run after each advance of its stepper: closure, singularities, crawling, progress."""
+"""Observers look at a run after each advance of its stepper: closure, singularities, crawl, progress."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -23,7 +23,7 @@ SMALLEST, PATIENCE = 1e-6, 1000  # a mean step below this part of the run, over 
 
 @dataclass
 class Advance:
-    """What one advance brought: y (k, size) at the output times (k,) that were passed, and the stepper."""
+    """The gain of one advance: y (k, size) at the output times (k,) that were passed, and the stepper."""
 
     stepper: Stepper
     times: Array
@@ -44,7 +44,7 @@ class Observer(ABC):
         """Look at an advance: change its rows and the stepper's y, or say that the run ends here."""
 
     def explain(self) -> str:
-        """Why the stepper may be stuck; empty where nothing is known."""
+        """The reason why the stepper may be stuck; empty where none is known."""
         return ""
 
 

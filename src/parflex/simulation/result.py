@@ -1,4 +1,4 @@
-"""What a simulation leaves: a labelled dataset, saved as NetCDF-4."""
+"""The result of a simulation: a labelled dataset, saved as NetCDF-4."""
 
 import os
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class Result:
 
     @property
     def partial(self) -> bool:
-        """Whether the run ended before its last output time."""
+        """True where the run ended before its last output time."""
         return bool(self.stopped)
 
     def state(self, index: int) -> State:

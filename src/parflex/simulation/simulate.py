@@ -110,7 +110,7 @@ def checked_tolerances(rtol: float, atol: float, max_step: float) -> dict[str, f
 
 
 def observers_of(core: Core, law: BoundLaw, times: Array, bar: Progress) -> list[Observer]:
-    """What looks at the run, in this order: states are closed before others look at them."""
+    """The observers of a run, in this order: states are closed before others look at them."""
     watch = law.law.watch
     found: list[Observer] = []
     if not core.mechanism.closed:

@@ -20,7 +20,7 @@ class Fact(NamedTuple):
 
 
 def scope_of(data: xr.Dataset) -> dict[str, Fact]:
-    """How much was simulated, by name: duration, instants, legs, motors, elastic modes."""
+    """The extent of what was simulated, by name: duration, instants, legs, motors, elastic modes."""
     counts = {"instants": "time", "legs": "leg", "motors": "actuator", "elastic modes": "mode"}
     found = [Fact(name, data.sizes[dim]) for name, dim in counts.items() if dim in data.sizes]
     if "time" in data.coords and data.sizes["time"]:

@@ -25,7 +25,7 @@ WORDS = {  # of the block, in this order, with their LLVM types
 }
 
 
-def block(**words: int) -> Array:
+def words_of(**words: int) -> Array:
     """The block of words; all must be given."""
     return np.array([words[name] for name in WORDS], dtype=np.uint64)
 

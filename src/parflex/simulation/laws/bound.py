@@ -32,11 +32,11 @@ class BoundLaw:
 
     @property
     def alone(self) -> bool:
-        """Whether forces and loads are known without calling anybody."""
+        """True where forces and loads are known without calling anybody."""
         return self.loads.steady
 
     def row(self, t: float, x: Array) -> Array:
-        """What the kernel reads of the law at a time and flat state."""
+        """The numbers that the kernel reads of the law at a time and flat state."""
         found: Array = self.rows[self.stretch(t)[0]]
         return found
 
@@ -62,7 +62,7 @@ class BoundLaw:
 
     @property
     def differentiable(self) -> bool:
-        """Whether its derivative is compiled: nobody is called, and the state carries no joints."""
+        """True where its derivative is compiled: nobody is called, and the state carries no joints."""
         return self.law.differentiable and self.alone and self.mechanism.layout.carried == 0
 
     def jacobian(self, t: float, x: Array) -> Array:

@@ -13,7 +13,7 @@ from parflex.base.dual import jacobian
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.kernels.kernel import Kernel
-from parflex.kernels.motion import Answer, motion
+from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.kernels.segment import SEGMENT, along
 from parflex.mechanics import dynamics
@@ -27,7 +27,7 @@ from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.layout import Coordinates
-from parflex.simulation.laws.controller import INDEX, Controller, Entry, Start, stacked_row
+from parflex.simulation.laws.controller import INDEX, Controller, Start, TableEntry, stacked_row
 from parflex.simulation.laws.law import Law
 from parflex.simulation.trajectory import Trajectory
 
@@ -40,7 +40,7 @@ def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) ->
     The law reckons with no load: what the wrenches do, the feedback meets.
     """
 
-    def law(system: System, t: Array, row: Array, load: Array) -> Answer:
+    def law(system: System, t: Array, row: Array, load: Array) -> Driven:
         target, preload = tracking_target(system.x, t, row, output), row[..., SEGMENT + GAINS :]
         none = np.zeros(6 + mechanism.platform.modes)
         found = dynamics.inverse_of(system, target, none, output, preload, unforeseen=load)
@@ -110,9 +110,9 @@ class ComputedTorque(Controller):
     kind = "computed-torque"
     about = "Forces from the inverse model, with feedback of the pose: computed torque."
     entries = (
-        Entry("rows", INDEX, "the rows of the pose that it follows; all six", None),
-        Entry("kp", kinds.POSE_GAIN, "stiffness of the feedback, 1/s²; one, or six", 0.0),
-        Entry("kd", kinds.RATE_GAIN, "damping of the feedback, 1/s; one, or six", 0.0),
+        TableEntry("rows", INDEX, "the rows of the pose that it follows; all six", None),
+        TableEntry("kp", kinds.POSE_GAIN, "stiffness of the feedback, 1/s²; one, or six", 0.0),
+        TableEntry("kd", kinds.RATE_GAIN, "damping of the feedback, 1/s; one, or six", 0.0),
     )
 
     model: Model

@@ -9,7 +9,7 @@ from parflex.base.check import finite
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.kernels.kernel import Kernel
-from parflex.kernels.motion import Answer, motion
+from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.mechanics import dynamics
 from parflex.mechanics.mechanism import Mechanism
@@ -24,7 +24,7 @@ from parflex.simulation.laws.law import Law
 def given_forces(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The motion under forces that stand in the row (m)."""
 
-    def law(system: System, t: Array, row: Array, load: Array) -> Answer:
+    def law(system: System, t: Array, row: Array, load: Array) -> Driven:
         return row, dynamics.direct_of(system, row, load)
 
     return motion("given_forces", mechanism, mechanism.n_forces, law, places)

@@ -23,21 +23,21 @@ from parflex.simulation.loads import Loads
 from parflex.simulation.trajectory import Trajectory
 
 INDEX = Kind("a whole number, not negative", "", "0")
-NEEDED: Any = object()  # the default of an entry that a file must have
+REQUIRED: Any = object()  # the default of an entry that a file must have
 
 
 @dataclass(frozen=True)
-class Entry:
+class TableEntry:
     """One entry of a law's table in a trajectory file; its value is a number, or one for each freedom."""
 
     name: str
     measure: Kind  # what the number measures; INDEX for a list of whole numbers
     words: str
-    default: Any = NEEDED
+    default: Any = REQUIRED
 
 
 class Start(NamedTuple):
-    """Where a run starts, and the forces that hold the robot there."""
+    """The state at which a run starts, and the forces that hold the robot there."""
 
     state: State
     forces: Array  # (m,); zero where the start is not an equilibrium
@@ -48,7 +48,7 @@ class Controller(ABC):
 
     kind: ClassVar[str] = ""  # its name in trajectory files; empty where files do not offer it
     about: ClassVar[str] = ""  # a sentence on its table
-    entries: ClassVar[tuple[Entry, ...]] = ()
+    entries: ClassVar[tuple[TableEntry, ...]] = ()
 
     model: Model
     trajectory: Trajectory | None = None  # what the platform is to follow, for the record
@@ -91,5 +91,5 @@ class Controller(ABC):
 
 
 def stacked_row(size: int, *parts: Any) -> Array:
-    """One row of a schedule: each part, a number or `size` of them, in full length."""
+    """One row of a law: each part, a number or `size` of them, in full length."""
     return np.concatenate([np.zeros(size) + part for part in parts])

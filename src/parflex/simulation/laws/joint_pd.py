@@ -12,7 +12,7 @@ from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.kernels import models
 from parflex.kernels.kernel import Kernel
-from parflex.kernels.motion import Answer, motion
+from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
 from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
@@ -23,7 +23,7 @@ from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.state import State
-from parflex.simulation.laws.controller import Controller, Entry, Start, stacked_row
+from parflex.simulation.laws.controller import Controller, Start, TableEntry, stacked_row
 from parflex.simulation.laws.law import Law
 from parflex.simulation.trajectory import Trajectory
 
@@ -31,7 +31,7 @@ from parflex.simulation.trajectory import Trajectory
 def springs(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The motion under springs and dampers; the row is (Γ_0 m, kp m, kd m, reference m)."""
 
-    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Answer:
+    def law(system: assembly.System, t: Array, row: Array, load: Array) -> Driven:
         u = spring_forces(system, row)
         return u, dynamics.direct_of(system, u, load)
 
@@ -80,8 +80,8 @@ class JointPD(Controller):
     kind = "joint-pd"
     about = "Springs and dampers on the actuated joints, which hold the start."
     entries = (
-        Entry("kp", kinds.NUMBER, "N/m or N m/rad; one, or one for each motor"),
-        Entry("kd", kinds.NUMBER, "N s/m or N m s/rad; one, or one for each motor"),
+        TableEntry("kp", kinds.NUMBER, "N/m or N m/rad; one, or one for each motor"),
+        TableEntry("kd", kinds.NUMBER, "N s/m or N m s/rad; one, or one for each motor"),
     )
 
     model: Model

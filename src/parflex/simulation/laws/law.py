@@ -15,17 +15,17 @@ WORKS = 3  # of actuators, external wrenches and damping: integrated beside the 
 
 
 class Inputs(NamedTuple):
-    """What the kernel of a motion reads."""
+    """The vectors that the kernel of a motion reads."""
 
     x: Array  # (size,)
     time: Array  # (1,) s
-    row: Array  # of the law's schedule
+    row: Array  # of the law
     load: Array  # (6 + N,) a generalised force, beside the constant wrenches
     pushes: Array  # (6 L,) the constant wrenches
 
 
 class Outputs(NamedTuple):
-    """What the kernel of a motion gives."""
+    """The vectors that the kernel of a motion gives."""
 
     forces: Array  # Γ (m,)
     rate: Array  # ẋ (size,)
@@ -35,7 +35,7 @@ class Outputs(NamedTuple):
 
 
 class Replay(NamedTuple):
-    """What a law did at times (T,): all rows (T, …)."""
+    """The forces and the motion of a law at times (T,): all rows (T, …)."""
 
     forces: Array  # Γ (T, m)
     rate: Array  # ẋ (T, size)
@@ -46,7 +46,7 @@ class Replay(NamedTuple):
 
 @dataclass(frozen=True)
 class Law:
-    """What a controller gives to be compiled, and the rows of numbers by which the compiled law acts.
+    """A controller gives this to be compiled, with the rows of numbers by which the compiled law acts.
 
     kernel and derivative are functions (mechanism, *outputs, places) that make the kernels of the motion
     under the law and of its ∂ẋ/∂x. The first of the rows (r, n) holds from the beginning, and from each

@@ -8,7 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array
 
-METHODS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # CyRK's numbers
+NUMBERS = {"RK45": 4, "DOP853": 5, "Radau": 8}  # CyRK's numbers
 DONE, MORE = 1, -52  # CyRK's status: at the end, and after as many steps as were allowed
 
 SOLVE = {  # the arguments of `numba_cysolve_ivp`, in its order

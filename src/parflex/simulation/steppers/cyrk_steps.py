@@ -9,11 +9,11 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.compiled.at import At
 from parflex.compiled.backend import Function
-from parflex.compiled.native.driver import block, right_hand_side
+from parflex.compiled.native.driver import right_hand_side, words_of
 from parflex.compiled.native.native import NativeFunction, addresses
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.law import Inputs, Outputs
-from parflex.simulation.steppers.cyrk import DONE, METHODS, MORE, solver
+from parflex.simulation.steppers.cyrk import DONE, MORE, NUMBERS, solver
 from parflex.simulation.steppers.stepper import Stepper, Stuck
 
 CHUNK = 100  # steps between two returns to Python, where Ctrl-C, progress and singularities are looked at
@@ -37,14 +37,14 @@ class CyrkSteps(Stepper):
         tolerances: dict[str, float],
     ) -> None:
         self.t, self.y, self.steps = t, y.copy(), 0
-        self._law, self._method, self._stuck = law, METHODS[method], False
+        self._law, self._method, self._stuck = law, NUMBERS[method], False
         self._inputs = [*law.inputs, *more]
         self._rtol, self._atol = (np.array([tolerances[name]]) for name in ("rtol", "atol"))
         self._longest = tolerances["max_step"]
         self._rows = np.ascontiguousarray(law.rows, dtype=float)
         self._refused = np.full(len(y), np.nan)
         self._pointers = addresses([*self._inputs, *law.results])
-        self._block = block(
+        self._block = words_of(
             run=function.address,
             pointers=self._pointers.ctypes.data,
             rates=self._pointers[len(self._inputs) + RATE :].ctypes.data,

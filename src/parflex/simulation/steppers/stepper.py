@@ -1,4 +1,4 @@
-"""What a simulation asks of an integrator."""
+"""The interface by which a simulation drives an integrator."""
 
 from abc import ABC, abstractmethod
 

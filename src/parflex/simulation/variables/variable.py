@@ -1,4 +1,4 @@
-"""What a variable of a result is: its labels, how it is computed, and who needs it."""
+"""A variable of a result: its labels, how it is computed, and who needs it."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class Variable:
 
     @property
     def changes(self) -> bool:
-        """Whether it has a value for each instant."""
+        """True where it has a value for each instant."""
         return self.dims[:1] == ("time",) and self.name != "time"
 
     def units_for(self, robot: Robot) -> str:
