@@ -50,11 +50,9 @@ if TYPE_CHECKING:
     from parflex.robot.robot import Robot as Robot
     from parflex.robot.state import State as State
     from parflex.robot.wrench import Wrench as Wrench
-    from parflex.simulation.laws import (
-        ComputedTorque as ComputedTorque,
-        Controller as Controller,
-        JointPD as JointPD,
-    )
+    from parflex.simulation.laws.computed_torque import ComputedTorque as ComputedTorque
+    from parflex.simulation.laws.controller import Controller as Controller
+    from parflex.simulation.laws.joint_pd import JointPD as JointPD
     from parflex.simulation.result import (
         Result as Result,
         RunStopped as RunStopped,
@@ -85,7 +83,9 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "robot.robot": "Robot",
     "robot.state": "State",
     "robot.wrench": "Wrench",
-    "simulation.laws": "ComputedTorque Controller JointPD",
+    "simulation.laws.computed_torque": "ComputedTorque",
+    "simulation.laws.controller": "Controller",
+    "simulation.laws.joint_pd": "JointPD",
     "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
     "simulation.trajectory": "Trajectory",

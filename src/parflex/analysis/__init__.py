@@ -1,1 +1,1 @@
-"""What is asked of a robot besides its motion."""
+"""Analyses of a robot besides its motion."""

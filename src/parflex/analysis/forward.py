@@ -82,7 +82,7 @@ def every_pose(mechanism: Mechanism, wanted: Array, start: Array, starts: int, s
 
 
 def same(mechanism: Mechanism, a: Array, b: Array) -> bool:
-    """Whether two flat states are one pose, with the same joints but for full turns."""
+    """True where two flat states are one pose, with the same joints but for full turns."""
     layout, robot = mechanism.layout, mechanism.robot
     slides = [j.sigma for leg, n in zip(robot.legs, layout.joints, strict=True) if n for j in leg.joints]
     apart = coordinates(a, layout).q - coordinates(b, layout).q
@@ -92,7 +92,7 @@ def same(mechanism: Mechanism, a: Array, b: Array) -> bool:
 
 
 def distance(layout: Layout, a: Array, b: Array, size: float) -> float:
-    """Between two poses, m, with the angle on the platform's size."""
+    """The distance between two poses, m, with the angle on the platform's size."""
     at = layout.at
     angle = 2 * np.arccos(np.minimum(1.0, np.abs(np.dot(a[at.quaternion], b[at.quaternion]))))
     return float(np.linalg.norm(a[at.position] - b[at.position]) + size * angle)

@@ -18,7 +18,7 @@ def gain_matrix(mechanism: Mechanism, output: Output, gain: Array) -> Array:
 
 
 def gain_ratio(flexible: Array, rigid: Array) -> Array:
-    """G_f G_r⁺ (…, o, o): what the bending platform makes of the accelerations of a rigid one."""
+    """G_f G_r⁺ (…, o, o): the accelerations of the bending platform by those of a rigid one."""
     square = rigid @ transpose(rigid)
     return flexible @ transpose(rigid) @ np.linalg.inv(square)
 
@@ -63,7 +63,7 @@ def check_gain(mechanism: Mechanism, output: Output, x: Array, flexible: Array, 
 
 
 def smallest_ratio(det: Array, size: Array, n: int) -> Array:
-    """What the `ratio` of n × n matrices is at least, by their determinants and Frobenius norms: the
+    """A lower bound of the `ratio` of n × n matrices, by their determinants and Frobenius norms: the
     product of the other singular values is at most (‖A‖²/(n − 1))^((n − 1)/2)."""
     others = (size / np.sqrt(max(n - 1, 1))) ** (n - 1)
     return np.abs(det) / (others * size)
@@ -76,7 +76,7 @@ def spread(x: Array, *gains: Array) -> tuple[Array, ...]:
 
 
 def beyond_words(beyond: Array) -> str:
-    """What is to be said of poses beyond a dynamic singularity (…,)."""
+    """The warning about poses beyond a dynamic singularity (…,)."""
     return (
         f"pose{index_of(beyond)} lies beyond a dynamic singularity: the platform bends so much that it "
         f"accelerates against its actuators, and control of this output is unstable; see "

@@ -1,4 +1,4 @@
-"""Where the models do not exist: legs out of reach, states off the closure, locked legs."""
+"""The states at which the models do not exist: legs out of reach, states off the closure, locked legs."""
 
 import math
 
@@ -39,7 +39,7 @@ def single(name: str, x: Array) -> Array:
 
 
 def check_state(functions: Functions, x: Array, health: Array) -> None:
-    """Raise where the flat state (…, size), whose `system.health` (…, h) is given, is none.
+    """Raise an error where the flat state (…, size), by its `system.health` (…, h), is not one of the robot.
 
     Raises OutOfReach and SingularPose where a leg's inverse geometry fails, InputError off the closure,
     SingularPose where the closure loses a row.
@@ -50,7 +50,7 @@ def check_state(functions: Functions, x: Array, health: Array) -> None:
 
 
 def check_health(mechanism: Mechanism, health: Array) -> None:
-    """Raise where a state is none, as `check_legs` and `check_gaps` do."""
+    """Raise an error where a state is not one of the robot, as `check_legs` and `check_gaps` do."""
     check_legs(mechanism, health)
     check_gaps(mechanism, health)
 
@@ -87,13 +87,13 @@ def off_closure(carried: bool, leg: int, what: str, gap: float, unit: str, bad: 
 
 
 def check_reach(mechanism: Mechanism, health: Array) -> None:
-    """Raise OutOfReach where a leg cannot reach its tip; a singular leg is none of its business."""
+    """Raise OutOfReach where a leg cannot reach its tip; singular legs are not looked at."""
     if not np.all(health[..., mechanism.health.reach] >= 0):
         check_legs(mechanism, health)
 
 
 def check_legs(mechanism: Mechanism, health: Array) -> None:
-    """Raise where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose)."""
+    """Raise an error where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose)."""
     at = mechanism.health
     margins = health[..., at.margins]
     if margins.size == 0 or margins.min() > SINGULAR:
@@ -109,7 +109,7 @@ def check_legs(mechanism: Mechanism, health: Array) -> None:
 
 
 def check_finite(answer: Array) -> None:
-    """Raise where the mechanics itself has no answer, though every leg is regular."""
+    """Raise SingularPose where the mechanics itself has no answer, though every leg is regular."""
     if not np.isfinite(answer).all():
         where = index_of(~np.all(np.isfinite(answer), axis=-1))
         raise SingularPose(f"at the state{where}, {NO_INERTIA}")

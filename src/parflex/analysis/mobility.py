@@ -18,7 +18,7 @@ HAIR = 1e-14  # of the platform's size: what round-off may put a pose beyond rea
 
 @dataclass(frozen=True)
 class Mobility:
-    """What the closure leaves free at a state, the platform's modes aside.
+    """The freedoms that the closure leaves at a state, the platform's modes aside.
 
     Twists are (v, ω) in Σp, m/s and rad/s, wrenches (f, n) in Σp, N and N m, with unit largest
     component in the scale of the platform.
@@ -104,7 +104,7 @@ def scaled_closure(mechanism: Mechanism, x: Array) -> Array:
 
 
 def motions(mechanism: Mechanism, G: Array) -> Motions:
-    """What a scaled closure allows while the platform does not bend."""
+    """The motions that a scaled closure allows while the platform does not bend."""
     bend = mechanism.layout.displacements.elastic
     Z = null_space(np.delete(G, bend, axis=1))
     S = actuated_rows(mechanism) * units(mechanism, ALL)
@@ -120,7 +120,7 @@ def freed_twist(mechanism: Mechanism, x: Array) -> Array:
 
 
 def null_space(a: Array) -> Array:
-    """An orthonormal basis (n, d) of what a (r, n) takes to zero."""
+    """An orthonormal basis (n, d) of the vectors that a (r, n) takes to zero."""
     return np.linalg.svd(a)[2][rank(a) :].T
 
 
@@ -135,7 +135,7 @@ def rank(a: Array) -> int:
 
 
 def unit(rows: Array) -> Array:
-    """Rows with largest entry 1."""
+    """The rows, scaled to largest entry 1."""
     which = np.argmax(np.abs(rows), axis=-1, keepdims=True) if rows.size else np.zeros((0, 1), dtype=int)
     return rows / np.take_along_axis(rows, which, axis=-1)
 

@@ -48,7 +48,8 @@ class Watch:
         return before, words
 
     def explain(self) -> str:
-        """Whether the motion has run into a singularity without crossing it."""
+        """The sentence about a singularity that the motion has run into without crossing it; empty for
+        none."""
         if self._start is None:
             return ""
         scale = self._output.lengths(self._mechanism.size)[:, None]

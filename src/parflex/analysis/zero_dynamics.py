@@ -1,4 +1,4 @@
-"""How well an output is commanded: gains, what bending makes of them, elastic zero dynamics."""
+"""Commands of an output: conditioning, gains under bending, elastic zero dynamics."""
 
 from dataclasses import dataclass
 
@@ -38,12 +38,12 @@ class OutputReport:
 
     @property
     def sign(self) -> int:
-        """Of det ∂output/∂Γ against that of a rigid platform."""
+        """The sign of det ∂output/∂Γ against that of a rigid platform."""
         return int(np.sign(np.prod(self.gain_ratio).real))
 
     @property
     def stable(self) -> bool:
-        """Whether the motion that is left dies away."""
+        """True where the motion that is left dies away."""
         return bool(np.all(self.poles.real < 0))
 
     def __str__(self) -> str:

@@ -105,6 +105,7 @@ def paper(
     `parflex paper --rigid` - the same motion with a rigid plate
     """
     from parflex.app import paper as section
+    from parflex.robots.gough_stewart import TABLE_2
 
     check_format(image)
     check_writable(out)
@@ -116,7 +117,7 @@ def paper(
     step(start, "drawing the figures")
     pictures = section.figures(done, out, image)
     if len(done.modes.frequencies):
-        console.print(frequency_table(done.modes, section.TABLE_2))
+        console.print(frequency_table(done.modes, TABLE_2))
     tell_run(done.result, pictures)
 
 

@@ -12,7 +12,7 @@ from parflex.robot.modes import Modes
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 from parflex.robots.gough_stewart import MOVES, TABLE_2, gough_stewart, held, plate
-from parflex.simulation.laws import ComputedTorque
+from parflex.simulation.laws.computed_torque import ComputedTorque
 from parflex.simulation.result import Result
 from parflex.simulation.simulate import simulate
 from parflex.simulation.trajectory import Trajectory

@@ -101,8 +101,8 @@ def solve_definite(a: Array, b: Array, step: int = 1) -> Array:
 
 
 def factored(a: Array) -> Array:
-    """What `factored_solve` reads of a symmetric positive definite a: of symbols, a = L D Lᵀ, with L
-    below the diagonal and D on it; of floats a itself, which LAPACK factors."""
+    """The factor of a symmetric positive definite a that `factored_solve` takes: of symbols, a = L D Lᵀ,
+    with L below the diagonal and D on it; of floats a itself, which LAPACK factors."""
     if a.dtype != object:
         return a
     n = a.shape[-1]
@@ -120,7 +120,8 @@ def factored(a: Array) -> Array:
 
 
 def factored_in_blocks(a: Array, size: int) -> Array:
-    """`factored`, of symbols, the rows of a block of `size` treated alike."""
+    """The factor of a matrix of symbols, as of `factored`, with the rows of a block of `size` treated
+    alike."""
     blocks = [slice(i, i + size) for i in range(0, a.shape[-1], size)]
     part = {(i, j): a[..., p, q] for i, p in enumerate(blocks) for j, q in enumerate(blocks) if j <= i}
     for j in range(len(blocks)):
@@ -148,7 +149,7 @@ def below(rows: Array, pivot: Array) -> Array:
 
 
 def without(rows: Array, lower: Array, scaled: Array) -> Array:
-    """rows − lower scaledᵀ."""
+    """The difference rows − lower scaledᵀ."""
     return rows - lower @ transpose(scaled)
 
 
@@ -162,7 +163,7 @@ def factored_solve(factor: Array, b: Array) -> Array:
 
 
 def substituted(factor: Array, b: Array) -> Array:
-    """`factored_solve`, of symbols."""
+    """x with a x = b for the factor of a matrix of symbols."""
     n = factor.shape[-1]
     x: list[Array] = []
     for i in range(n):

@@ -1,4 +1,4 @@
-"""What a backend is: it turns a kernel into something that runs on float arrays."""
+"""Backends: each turns a kernel into a function that runs on float arrays."""
 
 import math
 import threading

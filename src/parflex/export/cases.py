@@ -1,4 +1,4 @@
-"""What the exported self-test compares with: inputs near home, and the answers of the NumPy reference."""
+"""The cases of the exported self-test: inputs near home, and the answers of the NumPy reference."""
 
 import numpy as np
 
@@ -31,7 +31,7 @@ def cases(mechanism: Mechanism, routine: Routine) -> tuple[Array, Array]:
 
 
 def magnitudes(mechanism: Mechanism) -> dict[str, Array]:
-    """What is usual for each input: forces of the order of the platform's weight, so that the
+    """The usual size of each input: forces of the order of the platform's weight, so that the
     accelerations are no small differences of large ones."""
     robot, size = mechanism.robot, mechanism.size
     mass = robot.platform.moments.m

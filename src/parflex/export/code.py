@@ -27,7 +27,7 @@ class Expression(NamedTuple):
 
 
 class Body(NamedTuple):
-    """What a function does: lines that load and compute, the inputs and functions of the C library that
+    """The body of a function: lines that load and compute, the inputs and functions of the C library that
     they use, the outputs' values."""
 
     lines: list[str]
@@ -90,7 +90,7 @@ class Writer:
         self.set(k, found)
 
     def expression(self, k: int) -> Expression:
-        """What an instruction computes."""
+        """The expression that an instruction computes."""
         op = self.graph.instruction_id(k)
         given = [self.values[slot] for slot in self.graph.instruction_input(k)]
         if op in BINARY:
@@ -112,7 +112,8 @@ class Writer:
 
 
 def uses(graph: casadi.Function) -> list[int]:
-    """How many operands each instruction's value becomes; an output counts twice, so that it is named."""
+    """The number of operands that each instruction's value becomes; an output counts twice, so that it is
+    named."""
     count = [0] * graph.n_instructions()
     origin: dict[int, int] = {}
     for k in range(graph.n_instructions()):

@@ -98,7 +98,7 @@ def check_folder(folder: Path, force: bool) -> None:
 
 
 def own(path: Path) -> bool:
-    """Whether a file is from an earlier export, or what a compiler made of one."""
+    """True where a file is from an earlier export, or made of one by a compiler."""
     if path.name in BUILT:
         return True
     if path.name not in FILES or not path.is_file():

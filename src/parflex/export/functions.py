@@ -40,7 +40,7 @@ def prototype(prefix: str, routine: Routine) -> str:
 
 
 def definition(prefix: str, routine: Routine, body: Body, legs: int) -> str:
-    """A whole function: all that it computes, then all that it writes."""
+    """A whole function: lines that compute, then lines that write."""
     PREFIX = prefix.upper()
     judged = f"{PREFIX}_HEALTH" if routine.closure else str(2 * legs)
     lines = [
@@ -112,7 +112,7 @@ static int test_{name}(void)
 
 
 def starts(sizes: Iterable[int]) -> list[int]:
-    """Where arrays begin that lie one behind the other."""
+    """The places at which arrays begin that lie one behind the other."""
     return np.cumsum([0, *sizes])[:-1].tolist()
 
 

@@ -1,4 +1,4 @@
-"""Which functions are exported, and the names of their arrays in C."""
+"""The functions that are exported, and the names of their arrays in C."""
 
 from collections.abc import Mapping
 from typing import NamedTuple

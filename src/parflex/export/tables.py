@@ -1,4 +1,4 @@
-"""What every entry of the exported arrays is: rows (entries, words) for the header and the README."""
+"""The meaning of every entry of the exported arrays: rows (entries, words) for the header and the README."""
 
 from parflex.export.interface import tips
 from parflex.mechanics.mechanism import Mechanism
@@ -24,7 +24,7 @@ COMPONENTS = ("x", "y", "z", "about x", "about y", "about z")
 
 
 def state_parts(mechanism: Mechanism) -> dict[str, tuple[int, int]]:
-    """Where the parts of the state begin, and how long they are."""
+    """The parts of the state, with the place where each begins and its length."""
     at = mechanism.layout.at._asdict()
     return {name.upper(): (part.start, part.stop - part.start) for name, part in at.items()}
 
@@ -77,7 +77,7 @@ def inputs(mechanism: Mechanism, output: Output) -> Rows:
 
 
 def target(output: Output) -> str:
-    """What the inverse model prescribes."""
+    """The accelerations that the inverse model prescribes."""
     rows = ", ".join(COMPONENTS[row] for row in output.axes)
     where = "the platform's frame"
     if isinstance(output, PointOutput):

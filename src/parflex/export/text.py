@@ -52,7 +52,7 @@ def filled(name: str, words: dict[str, str]) -> str:
 
 
 def general(export: Export) -> dict[str, str]:
-    """Counts, names and versions."""
+    """The words of all templates: counts, names and versions."""
     robot, modes = export.mechanism.robot, export.mechanism.platform.modes
     return {
         "prefix": export.prefix,
@@ -67,7 +67,7 @@ def general(export: Export) -> dict[str, str]:
 
 
 def header(export: Export) -> dict[str, str]:
-    """What is particular to model.h."""
+    """The words of the template model.h."""
     mechanism, PREFIX = export.mechanism, export.prefix.upper()
     robot = mechanism.robot
     sizes = lengths(export.routines)
@@ -90,7 +90,7 @@ def header(export: Export) -> dict[str, str]:
 
 
 def code(export: Export) -> dict[str, str]:
-    """What is particular to model.c."""
+    """The words of the template model.c."""
     pairs = zip(export.routines, export.bodies, strict=True)
     count = len(export.mechanism.legs)
     functions = [definition(export.prefix, routine, body, count) for routine, body in pairs]
@@ -103,7 +103,7 @@ def code(export: Export) -> dict[str, str]:
 
 
 def test(export: Export) -> dict[str, str]:
-    """What is particular to test_model.c."""
+    """The words of the template test_model.c."""
     pairs = zip(export.routines, export.cases, strict=True)
     calls = [f"    failed += test_{routine.kernel.name}();" for routine in export.routines]
     return {
@@ -114,7 +114,7 @@ def test(export: Export) -> dict[str, str]:
 
 
 def readme(export: Export) -> dict[str, str]:
-    """What is particular to README.md."""
+    """The words of the template README.md."""
     mechanism, platform = export.mechanism, export.mechanism.robot.platform
     called = sorted({name for body in export.bodies for name in body.library} - {"sqrt"})
     most = max(len(body.lines) for body in export.bodies)

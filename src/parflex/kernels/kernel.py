@@ -1,4 +1,4 @@
-"""What a kernel is: a function of named flat vectors, which every backend can run."""
+"""Kernels: functions of named flat vectors, which every backend can run."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

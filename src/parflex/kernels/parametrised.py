@@ -28,7 +28,7 @@ class Parametrised(Kernel):
 
 
 def parametrised(parameters: Parameters, mechanism: Mechanism, build: Build, *chosen: object) -> Kernel:
-    """What `build` makes of the mechanism and of what else it takes, for any θ."""
+    """The kernel that `build` makes of the mechanism and its other arguments, with θ as an input."""
 
     def at(theta: Array) -> Callable[..., Vectors]:
         return build(placed(parameters, mechanism, theta), *chosen).function

@@ -1,1 +1,1 @@
-"""What the paper does; it imports NumPy alone."""
+"""The mechanics of the paper; it imports NumPy alone."""

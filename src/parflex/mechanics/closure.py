@@ -22,7 +22,7 @@ WEAKEST = 1e-9  # of the largest singular value: what counts as a direction that
 
 
 class Freedom(NamedTuple):
-    """What Newton's method may move besides the joints."""
+    """The coordinates that Newton's method may move besides the joints."""
 
     platform: bool
     elastic: bool
@@ -127,7 +127,7 @@ def closure_matrix(system: System) -> Array:
 
 
 def gaps(system: System, rate: bool = False) -> Array:
-    """From the platform's points to the tips (…, 3k), or the rates of it; zero for closed legs."""
+    """The vectors from the platform's points to the tips (…, 3k), or their rates; zero for closed legs."""
     parts = [np.zeros(0)]
     for leg in system.legs:
         gap = leg.gap_rate if rate else leg.gap

@@ -1,4 +1,4 @@
-"""From a state to the flat vector that the models read, and back: the first thing that every call does.
+"""States as the flat vectors that the models read, and back: the first thing that every call does.
 
 A state of a robot with lower mobility, or with joints of its own, satisfies the closure or is no state.
 """

@@ -18,7 +18,7 @@ from parflex.robot.robot import Robot
 
 
 class Health(NamedTuple):
-    """Where the entries of `system.health` lie, all in the order of the legs.
+    """The places of the entries of `system.health`, all in the order of the legs.
 
     The orders give the place of each entry among those by group.
     """
@@ -38,7 +38,7 @@ class Health(NamedTuple):
 
     @property
     def size(self) -> int:
-        """How many entries there are."""
+        """The number of entries."""
         return self.gap_rate.stop
 
 
@@ -52,7 +52,7 @@ class Rows(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Mechanism:
-    """What the mechanics reads of a robot.
+    """The data of a robot as the mechanics reads them.
 
     Legs of one type and equal structure are a group, and inside the mechanics tips, joints and forces stand
     group by group; `force_order`, `joint_order` and `tip_order` put them in the order of the legs, in which
@@ -79,7 +79,7 @@ class Mechanism:
 
     @cached_property
     def layout(self) -> Layout:
-        """What the flat state holds."""
+        """The layout of the flat state."""
         carried, branched = [0] * len(self.robot.legs), []
         for group in self.groups:
             for number in group.legs:
@@ -89,7 +89,7 @@ class Mechanism:
 
     @cached_property
     def closed(self) -> bool:
-        """Whether every state is on the closure: each tip is where the platform has it by itself."""
+        """True where every state is on the closure: each tip is where the platform has it by itself."""
         return all(group.closed for group in self.groups)
 
     @cached_property
@@ -137,7 +137,7 @@ class Mechanism:
 
     @cached_property
     def health(self) -> Health:
-        """Where reach, regularity and gaps of the legs lie in `system.health`."""
+        """The places of reach, regularity and gaps of the legs in `system.health`."""
         gaps = [n for g in self.groups if not g.closed for n in np.repeat(g.legs, 3 * len(g.tip_frames))]
         legs, open_gaps = self.legs, np.array(gaps, dtype=int)
         parts = spans(len(legs), len(legs), len(gaps), len(gaps))
@@ -147,12 +147,12 @@ class Mechanism:
 
     @cached_property
     def slides(self) -> Array:
-        """Whether joints are prismatic, group by group."""
+        """The prismatic joints, True, group by group."""
         return np.array([bool(j.sigma) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
 
     @cached_property
     def driven(self) -> Array:
-        """Whether joints are actuated, group by group."""
+        """The actuated joints, True, group by group."""
         return np.array([bool(j.mu) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
 
 

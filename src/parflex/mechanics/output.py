@@ -1,4 +1,4 @@
-"""What the inverse model can prescribe: accelerations of Σp, or of a point of the platform."""
+"""Outputs that the inverse model can prescribe: accelerations of Σp, or of a point of the platform."""
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
@@ -49,11 +49,11 @@ class Output(ABC):
         """The acceleration (…, o) where V̇_p and q̈_e are zero."""
 
     def check(self, body: FlexibleBody) -> None:
-        """Raises InputError where the body does not have what is prescribed."""
+        """Nothing where the body has the point that is prescribed; raises InputError where it lacks it."""
         return
 
     def lengths(self, size: float) -> Array:
-        """(o,) m: what makes the rows comparable, `size` for those that are angular."""
+        """The lengths (o,) m that make the rows comparable, `size` for those that are angular."""
         return np.where(np.array(self.axes) < 3, 1.0, size)
 
 

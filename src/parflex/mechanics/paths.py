@@ -60,7 +60,7 @@ def lengthened(line: Array, count: int) -> Array:
 
 
 def joint_word(leg: LegTerms, j: int) -> str:
-    """What a joint is, with a star where there is a motor: R, P, R* or P*."""
+    """The kind of a joint, with a star where there is a motor: R, P, R* or P*."""
     return "RP"[leg.group.chain.sigma[j]] + "*" * (j in leg.group.actuated)
 
 

@@ -73,7 +73,7 @@ def platform_of(body: FlexibleBody) -> Platform:
 
 
 class Contractions(NamedTuple):
-    """What meets the coordinates at O(N²) cost, linear in q_e and q̇_e."""
+    """The tensors that meet the coordinates at O(N²) cost, linear in q_e and q̇_e."""
 
     G: Array  # (…, N, 3, 3), ∫ Φ_k ρᵀ dm
     T_axial: Array  # (…, N, 3), (T_k,23 − T_k,32, …) with T_k = ∫ (Σ Φ_j q̇_j) Φ_kᵀ dm

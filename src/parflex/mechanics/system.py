@@ -207,7 +207,7 @@ def joint_accelerations(system: System, forces: Array, f: Array) -> list[Array]:
 
 
 def joint_pulls(system: System, f: Array) -> list[Array]:
-    """Jᵀ f (…, L, n) of each group: what contact forces (…, 3k) ask of its joints."""
+    """Jᵀ f (…, L, n) of each group: the joint forces of the contact forces (…, 3k)."""
     tips = by_group(system.mechanism, kinematics.unstacked(f))
     return [mtv(leg.J, merged(pull)) for leg, pull in zip(system.legs, tips, strict=True)]
 
@@ -236,7 +236,8 @@ def carried_accelerations(system: System, forces: Array, f: Array) -> Array:
 
 
 def carried_pull(system: System, f: Array) -> Array:
-    """A⁻¹ Jᵀ f (…, n) of the joints that the state carries: what contact forces (…, 3k) do to them."""
+    """A⁻¹ Jᵀ f (…, n): the accelerations that contact forces (…, 3k) give to the joints that the state
+    carries."""
     pulls = zip(system.legs, joint_pulls(system, f), strict=True)
     moved = [solve_definite(leg.A, pull[..., None])[..., 0] for leg, pull in pulls]
     return in_carried_order(system, moved)

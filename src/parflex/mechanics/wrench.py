@@ -16,7 +16,7 @@ from parflex.robot.wrench import Wrench
 
 
 class Place(NamedTuple):
-    """Where a wrench acts, and in which axes it is given."""
+    """The place of a wrench, and the axes in which it is given."""
 
     node: int
     in_world: bool
@@ -48,7 +48,7 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
 
 
 def places_of(wrenches: Sequence[Wrench]) -> tuple[Place, ...]:
-    """Where the wrenches act."""
+    """The places of the wrenches."""
     return tuple(Place(wrench.node, wrench.frame == "world") for wrench in wrenches)
 
 

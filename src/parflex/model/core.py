@@ -1,4 +1,4 @@
-"""What the rest of the library reads of a model: the mechanism, its compiled functions, checked states."""
+"""The core of a model, which the rest of the library reads: mechanism, compiled functions, checked states."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -33,16 +33,17 @@ Values = Mapping[str, ArrayLike] | None
 class Model:
     """The direct and inverse dynamic models of a robot.
 
-    backend is "numpy" (the readable reference), "vm" (CasADi's virtual machine) or "auto", the
-    fastest there is. Nothing is traced before the first call. Immutable, shared by threads.
+    backend is "numpy" (the readable reference), "vm" (CasADi's virtual machine), "native" (machine
+    code by LLVM) or "auto", the fastest there is. Nothing is traced or compiled before the first call.
+    Immutable, shared by threads.
 
     States must be on the closure of the legs, which for robots of fewer than six freedoms is a
     condition (`project` finds the nearest); joints that are carried in the state are closed here.
 
     parameters names numbers of the robot that may change without compiling anew, by Python's path to
-    them (docs/parameters.md): "gravity", "legs[0].joints[2].M", "platform.payload[12]" … `direct` and
-    `inverse` take values for them, batches too; `with_parameters` makes the model of a robot that has
-    other values. All else is at the robot's own.
+    them (docs/parameters.md): "gravity", "legs[0].joints[2].M", "platform.payload[12]" … `direct`,
+    `inverse` and their Jacobians take values for them, batches too; `with_parameters` makes the model of
+    a robot that has other values. All else is at the robot's own.
 
     Raises InputError for an unknown backend or parameter.
     """
@@ -247,7 +248,7 @@ class Model:
         return mobility.mobility(mechanism, x)
 
     def output_report(self, state: State, output: Output | None = None) -> zero_dynamics.OutputReport:
-        """How well the actuators command an output about the equilibrium in a pose.
+        """The report on how well the actuators command an output about the equilibrium in a pose.
 
         The report gives the conditioning, what bending makes of the gains, and the poles of the
         elastic zero dynamics: the motion of the modes while the output is held.
@@ -313,7 +314,7 @@ class Model:
         return Compiled(self._core, self._output(output))
 
     def _check(self, x: Array, found: Array) -> None:
-        """Raise where the flat state, whose health is found, is none."""
+        """Raise an error where the flat state, by its health, is not one of the robot."""
         health.check_state(self._core.functions, x, found)
 
     def _forces(self, forces: ArrayLike, name: str = "forces") -> Array:

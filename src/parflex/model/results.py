@@ -1,4 +1,4 @@
-"""What the models answer, and how answers are sorted: by leg, by attachment."""
+"""Answers of the models."""
 
 from typing import NamedTuple
 
@@ -57,7 +57,8 @@ class InverseJacobian(NamedTuple):
 
 
 class Reactions(NamedTuple):
-    """What each link receives through its joint, in the axes of its own frame; one entry per leg.
+    """Forces and moments that links receive through their joints, in the axes of the links' own frames, one
+    entry per leg.
 
     force (…, n_i, 3) N, moment (…, n_i, 3) N m about the frame's origin. Along the joint's axis it
     holds the actuator's force less friction, spring and rotor.

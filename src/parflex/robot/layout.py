@@ -1,4 +1,4 @@
-"""The flat state: what it holds, and where. Nobody else knows an offset."""
+"""The layout of the flat state: its parts by name. Nobody else knows an offset."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -69,7 +69,8 @@ class Layout:
 
     @cached_property
     def at(self) -> Places:
-        """Where the parts lie: p 3, quaternion 4, v_p and ω_p 6, q_e N, q̇_e N, q, q̇ carried, branches ±1."""
+        """The places of the parts: p 3, quaternion 4, v_p and ω_p 6, q_e N, q̇_e N, q, q̇ carried,
+        branches ±1."""
         N, n = self.modes, self.carried
         return Places(*spans(3, 4, 6, N, N, n, n, len(self.branched)))
 
@@ -80,7 +81,7 @@ class Layout:
 
     @cached_property
     def motions(self) -> Motions:
-        """Where the parts of a small motion lie."""
+        """The places of the parts of a small motion."""
         N, n = self.modes, self.carried
         return Motions(*spans(3, 3, 3, 3, N, N, n, n))
 
@@ -91,7 +92,7 @@ class Layout:
 
     @cached_property
     def displacements(self) -> Displacements:
-        """Where the parts of a displacement lie; the joints reach to its end."""
+        """The places of the parts of a displacement; the joints reach to its end."""
         pose, elastic, _ = spans(6, self.modes, 0)
         return Displacements(pose, elastic, slice(elastic.stop, None))
 

@@ -1,4 +1,4 @@
-"""The state of a robot, the loads on its platform, and how both are packed into flat vectors."""
+"""The state of a robot: its platform's pose, twist and bend, and the joints of its legs."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

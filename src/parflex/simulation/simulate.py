@@ -14,9 +14,10 @@ from parflex.model.core import Core, core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.integrate import Run, integrate
-from parflex.simulation.laws import Controller, controller_of
+from parflex.simulation.laws import controller_of
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.called import ForceFunction
+from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.loads import Loads, Wrenches
 from parflex.simulation.observers import Bar, Closure, Crawl, Observer, Singularities

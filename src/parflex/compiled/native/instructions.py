@@ -51,7 +51,7 @@ class Code:
             self.fill(k, self.computed(op, [self.value(slot) for slot in graph.instruction_input(k)]))
 
     def value(self, slot: int) -> str:
-        """What the slot holds."""
+        """The value that the slot holds."""
         return self.values[slot]
 
     def fill(self, k: int, value: str) -> None:
@@ -98,7 +98,7 @@ class Code:
         return self.new(f"getelementptr double, ptr {base}, i64 {offset}")
 
     def loaded(self, place: str, kind: str = "") -> str:
-        """What lies at an address."""
+        """The value that lies at an address."""
         return self.new(f"load {kind or self.type}, ptr {place}, align 8")
 
     def stored(self, value: str, place: str) -> None:
@@ -140,5 +140,5 @@ def vector_type(lanes: int) -> str:
 
 
 def suffix(lanes: int) -> str:
-    """Of intrinsic functions on values."""
+    """The ending of the names of intrinsic functions on values."""
     return "f64" if lanes == 1 else f"v{lanes}f64"

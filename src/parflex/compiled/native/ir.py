@@ -18,7 +18,8 @@ PART = 15_000  # operations of a function, at most
 
 
 class Places(NamedTuple):
-    """Where a loop's arguments and results lie in the scratch, in values, and how many it treats at once."""
+    """The places of a loop's arguments and results in the scratch, in values, and the number of rows that
+    it treats at once."""
 
     arguments: int
     results: int
@@ -85,7 +86,7 @@ def driver(scratch: int, lanes: int, parts: int) -> str:
 
 
 def last_uses(graph: casadi.Function) -> dict[int, int]:
-    """For each instruction that defines a value, the last one that uses it."""
+    """The last instruction that uses a value, for each instruction that defines one."""
     holder: dict[int, int] = {}  # by work slot, the instruction that filled it
     last: dict[int, int] = {}
     for k in range(graph.n_instructions()):
@@ -122,7 +123,7 @@ class Main(Code):
         return "\n".join([head, *self.rows(), *self.lines, "ret void", "}"])
 
     def rows(self) -> list[str]:
-        """Where the rows of inputs and outputs begin."""
+        """The addresses at which the rows of inputs and outputs begin."""
         graph = self.graph
         sizes = [graph.numel_in(i) for i in range(self.first_result)]
         sizes += [graph.numel_out(i) for i in range(len(self.loops), graph.n_out())]
@@ -186,7 +187,7 @@ class Main(Code):
         self.literals[slot] = self.number(self.graph.instruction_constant(k))
 
     def home(self, slot: int) -> str:
-        """Where a slot lies in memory."""
+        """The address of a slot in memory."""
         return self.at(slot)
 
     def at(self, position: int) -> str:
@@ -249,7 +250,7 @@ class Body(Code):
         self.stored(value, self.at(self.where.results + entry * self.where.padded, by_row=True))
 
     def found(self, source: Source, before: int, padded: int) -> int:
-        """Where an argument begins: of the loop's own, or as another loop has left it."""
+        """The address of an argument: among the loop's own, or in the output of another loop."""
         if source.loop is None:
             return self.where.arguments + before + source.entry * padded
         other = self.places[source.loop]

@@ -20,8 +20,8 @@ from parflex.kernels.kernel import Kernel
 
 
 class Source(NamedTuple):
-    """Where a loop finds an argument: among its own, which the main graph stores, or, `row` rows down,
-    in an output of an earlier loop."""
+    """The place at which a loop finds an argument: among its own, which the main graph stores, or, `row`
+    rows down, in an output of an earlier loop."""
 
     loop: int | None
     entry: int
@@ -43,12 +43,12 @@ class Loop(NamedTuple):
 
     @property
     def own_shared(self) -> int:
-        """How many of its own arguments are shared."""
+        """The number of the loop's own arguments that all rows share."""
         return sum(source.loop is None for source in self.shared)
 
     @property
     def own_columns(self) -> int:
-        """How many of its own arguments are columns."""
+        """The number of the loop's own arguments that are columns."""
         return sum(source.loop is None for source in self.columns)
 
 
@@ -111,7 +111,7 @@ def linked(recorded: list[Recorded]) -> tuple[list[Loop], list[casadi.SX]]:
 
 
 def place_of(made: dict[int, Source], column: Sequence[Any]) -> Source | None:
-    """Where values lie below one another in the output of a loop, if they do."""
+    """The place of values that lie below one another in the output of a loop; None where they do not."""
     places = [made.get(value.x.element_hash()) if isinstance(value, Symbol) else None for value in column]
     first = places[0]
     if first is None or any(place != first._replace(row=first.row + i) for i, place in enumerate(places)):

@@ -41,7 +41,7 @@ class Code:
         self.sound = self._agrees(entry)
 
     def _agrees(self, entry: store.Entry) -> bool:
-        """Whether the code gives what the reference gave when it was compiled."""
+        """True where the code gives the same outputs as the reference gave when it was compiled."""
         found = [np.full(a.shape, np.nan) for a in entry.outputs]
         self.run(addresses([*entry.inputs, *found]).ctypes.data, 0, len(entry.inputs[0]) // self.lanes)
         scales = [np.nanmax(np.abs(a), initial=1.0) for a in entry.outputs]
@@ -196,7 +196,7 @@ if hasattr(os, "register_at_fork"):
 
 
 def addresses(arrays: Sequence[Array]) -> Array:
-    """Where the arrays begin; they must outlive it."""
+    """The addresses at which the arrays begin; the arrays must outlive them."""
     return np.array([a.ctypes.data for a in arrays], dtype=np.uint64)
 
 

@@ -94,7 +94,7 @@ class Recorded:
 
     @property
     def graph(self) -> casadi.Function:
-        """From shared values, columns and numbers to outputs."""
+        """The function of shared values, columns and numbers that gives the outputs."""
         inputs = [column_of(given.symbols) for given in (self.known, self.one, self.constants)]
         return casadi.Function("row", inputs, [column_of(self.outputs)], {"cse": True})
 
@@ -108,7 +108,7 @@ class Recorded:
 
 
 def stand_in(column: Array, one: Inputs, constants: Inputs) -> Any:
-    """What a single row has in the place of a column: a number that all rows share, or a symbol."""
+    """The value that stands for a column in a single row: a number that all rows share, or a symbol."""
     if any(isinstance(value, Symbol) for value in column):
         return one.new(column)
     if all(value == column[0] for value in column):
@@ -138,7 +138,7 @@ def free(expressions: Sequence[casadi.SX]) -> set[int]:
 
 
 def names(symbols: Iterable[casadi.SX]) -> list[int]:
-    """What tells symbols apart."""
+    """The numbers by which symbols are told apart."""
     return [symbol.element_hash() for symbol in symbols]
 
 

@@ -1,4 +1,4 @@
-"""How the actuated joints change with the state: positions and rates."""
+"""Derivatives of the actuated joints, positions and rates, by the state."""
 
 from typing import NamedTuple
 
@@ -16,7 +16,8 @@ from parflex.robot.layout import Coordinates
 
 
 class JointTangent(NamedTuple):
-    """By the small motions of the state, as in `tangent.py`; of robots whose state carries no joints."""
+    """Derivatives by the small motions of the state, as in `tangent.py`, of robots whose state carries no
+    joints."""
 
     positions: Array  # ∂q_a (…, m, 12 + 2 N)
     rates: Array  # ∂q̇_a (…, m, 12 + 2 N)

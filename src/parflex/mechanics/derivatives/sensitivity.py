@@ -68,7 +68,7 @@ def solved(system: System, u: Array, load: Array) -> Solved:
 
 
 def direct_sensitivity(system: System, u: Array, load: Load) -> Sensitivity:
-    """Of the direct model at an assembled state under Γ (…, m) and a load."""
+    """The derivatives of the direct model at an assembled state under Γ (…, m) and a load."""
     at = solved(system, u, load(system.x))
     by_forces = each(lambda y, JAS: y @ JAS, [at.Y], [at.JAS])
     return Sensitivity(by_state(system, at, load), by_forces, at.Q)

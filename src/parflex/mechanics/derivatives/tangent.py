@@ -1,4 +1,4 @@
-"""How the equations of platform and legs change with the state, at fixed accelerations and forces.
+"""Derivatives of the equations of platform and legs by the state, at fixed accelerations and forces.
 
 Small motions of the state are (δp 3 in Σ0, δθ 3 in Σp, δv_p 3, δω_p 3, δq_e N, δq̇_e N[, δq, δq̇]), with
 the attitude turned by R → R (1 + δθ̂).
@@ -110,7 +110,7 @@ def leg_tangent(mechanism: Mechanism, leg: LegTerms, x: Coordinates, qdd: Array,
 
 
 def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
-    """What the equations of the legs are functions of: see `leg_residual`."""
+    """The arguments of the equations of the legs: see `leg_residual`."""
     carried = leg.group.carried
     if leg.group.type.carries:
         return join([x.q[..., carried], x.qd[..., carried]])

@@ -14,7 +14,7 @@ FORM = ("offsets", "branch", "posture")
 
 
 def alike(group: LegGroup) -> bool:
-    """Whether the legs differ in nothing but inertia, friction, springs and where they stand."""
+    """True where the legs differ in nothing but inertia, friction, springs and where they stand."""
     chain = group.chain
     tables = [chain.tables[name] for name, column in chain.columns.items() if column.alike]
     tables += [group.offsets, group.branch]
@@ -47,7 +47,7 @@ def own(group: LegGroup) -> list[str]:
 
 
 def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
-    """As many legs of the group as there are rows in the tables, which are theirs."""
+    """The group with as many legs as there are rows in the tables, which become theirs."""
     count, names = len(tables[0]), own(group)
     same = {name: table[:count] for name, table in group.chain.tables.items()}
     chain = group.chain.with_tables(same | dict(zip(names, tables, strict=False)))

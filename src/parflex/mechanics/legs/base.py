@@ -1,4 +1,4 @@
-"""What a leg type is: the inverse geometry of one kind of leg, for all legs of equal structure."""
+"""Leg types: the inverse geometry of one kind of leg, for all legs of equal structure."""
 
 from abc import ABC, abstractmethod
 from typing import NamedTuple
@@ -34,7 +34,7 @@ class LegGroup(NamedTuple):
 
     @property
     def closed(self) -> bool:
-        """Whether the closure holds by itself: each tip is where the platform has it."""
+        """True where the closure holds by itself: each tip is where the platform has it."""
         return self.carried.shape[1] == 0 and 3 * len(self.tip_frames) == self.chain.n
 
 
@@ -51,10 +51,10 @@ class LegType(ABC):
 
     @abstractmethod
     def recognises(self, leg: Leg) -> bool:
-        """Whether the formulas of this type hold for the leg's table."""
+        """True where the formulas of this type hold for the leg's table."""
 
     def branch(self, group: LegGroup, joints: Joints, tips: Array) -> Array:
-        """Which solution (L,), +1 or −1, the joints at their tips (L, t, 3) in Σ0i belong to."""
+        """The solution (L,), +1 or −1, that the joints belong to at their tips (L, t, 3) in Σ0i."""
         return np.ones(len(group.legs))
 
     @abstractmethod

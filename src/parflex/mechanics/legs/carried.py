@@ -19,16 +19,16 @@ class Carried(LegType):
         return True
 
     def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
-        """As carried."""
+        """The joints that the state carries."""
         return joints_at(group.chain, q)
 
     def rates(
         self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
     ) -> Array:
-        """As carried."""
+        """The rates that the state carries."""
         return qd
 
     def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
-        """What fails here is the closure, which is checked for itself."""
+        """No margins: a carried leg fails by the closure, which is checked for itself."""
         fine = np.ones(joints.cos.shape[:-1])
         return fine, fine

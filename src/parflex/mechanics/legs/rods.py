@@ -134,7 +134,7 @@ class Rods(LegType):
         return reach, regular
 
     def _square(self, group: LegGroup, u: Array, rod: Rod) -> Array:
-        """What stands under the root."""
+        """The radicand of the inverse geometry, negative beyond reach."""
         if group.chain.sigma[0]:
             d = u - rod.elbow
             return rod.length * rod.length - d[..., 0] * d[..., 0] - d[..., 1] * d[..., 1]
@@ -148,7 +148,7 @@ class Rods(LegType):
         return (A * k - B * root) / square, (B * k + A * root) / square
 
     def _along(self, group: LegGroup, tip: Array, rod: Rod, c: Array, s: Array, length: Array) -> Array:
-        """From elbow to tip, in the axes of the knuckle's first joint at zero."""
+        """The vector from elbow to tip, in the axes of the knuckle's first joint at zero."""
         u = turned(in_first_frame(group, tip), c, -s)
         return mtv(rod.R, u - rod.elbow - length[..., None] * E_Z)
 
