@@ -1,5 +1,6 @@
 """The borders of the code: what the mechanics may import, and what must be documented."""
 
+import ast
 import importlib
 import inspect
 import pkgutil
@@ -92,6 +93,18 @@ def test_every_module_says_what_it_is():
     for module in pkgutil.walk_packages(pf.__path__, "parflex."):
         if module.name != "parflex.__main__":
             assert importlib.import_module(module.name).__doc__, module.name
+
+
+def test_docstrings_name_their_subject_first():
+    """A sentence that begins with one of these has no subject at first reading."""
+    broken = []
+    for path in sorted(Path(pf.__file__).parent.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, (ast.Module, ast.ClassDef, ast.FunctionDef)):
+                words = (ast.get_docstring(node) or "").split()
+                if words[:1] and words[0] in ("Of", "What", "Whether", "Those", "How"):
+                    broken.append((path.name, getattr(node, "name", "module"), words[0]))
+    assert broken == []
 
 
 def test_import_is_light():

@@ -87,7 +87,7 @@ def mobility(mechanism: Mechanism, x: Array) -> Mobility:
 
 
 def reached(mechanism: Mechanism, x: Array) -> Array:
-    """The flat state; where only round-off puts it beyond a leg's reach, one a hair away, within."""
+    """The flat state; one that round-off alone puts beyond a leg's reach is moved within it."""
     steps = HAIR * mechanism.size * np.diag(units(mechanism, POSE))
     near = displaced(
         mechanism, np.broadcast_to(x, (2 * len(steps) + 1, len(x))), np.vstack([0 * steps[:1], steps, -steps])

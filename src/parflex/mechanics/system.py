@@ -73,7 +73,7 @@ def assembled(mechanism: Mechanism, x: Array) -> System:
 
 
 def examined(mechanism: Mechanism, x: Array) -> tuple[System, Array]:
-    """The system at a flat state and its `health`; quietly not a number where the state is none."""
+    """The system at a flat state and its `health`, with NaN and no warning where a leg has no answer."""
     with np.errstate(invalid="ignore", divide="ignore"):
         system = assembled(mechanism, x)
         return system, health(system)

@@ -18,7 +18,7 @@ from parflex.fe.body.joints import Holding
 from parflex.fe.body.response import Static, static_response
 
 FIRST = 5  # pinned frequencies that are looked at where nothing else is said
-MOVING = 1e-3  # a pinned frequency that is none, of the highest
+MOVING = 1e-3  # a lower pinned frequency, as a part of the highest, is a rigid motion
 DEPENDENT = 1e-8  # modal mass that is left of a vector beside the others
 
 

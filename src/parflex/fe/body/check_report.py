@@ -73,7 +73,7 @@ class CheckReport(Report):
         ]
 
     def _beside_own(self) -> tuple[str, str, str]:
-        """How mass, centre of mass and inertia differ from the program's own, in words."""
+        """The differences of mass, centre of mass and inertia from the program's own, in words."""
         if self.own is None:
             return ", the program does not say its own", "", ""
         inertia = np.max(np.abs(self.body.inertia - self.own.inertia)) / np.max(np.abs(self.own.inertia))

@@ -132,7 +132,7 @@ def elements_at(nodes: Array, solid: Solid, points: Array) -> tuple[Array, Array
 
 
 def outside(X: Array) -> Array:
-    """How far reference coordinates (…, 3) lie outside their element; negative inside."""
+    """The distance by which reference coordinates (…, 3) lie outside their element; negative inside."""
     return np.maximum(np.max(-X, axis=-1), np.sum(X, axis=-1) - 1.0)
 
 

@@ -37,7 +37,7 @@ GAINS = 12  # kp 6, kd 6
 def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
     """The motion under computed torque; the row is (segment 21, gains 12, preload m).
 
-    The law reckons with no load: what the wrenches do, the feedback meets.
+    The law computes its forces without the wrenches; the feedback alone answers them.
     """
 
     def law(system: System, t: Array, row: Array, load: Array) -> Driven:

@@ -21,7 +21,7 @@ class Check(NamedTuple):
 
     @property
     def passed(self) -> bool:
-        """True where the bound is kept; a number that is none keeps no bound."""
+        """True where the bound is kept; NaN keeps no bound."""
         return bool(self.found <= self.bound)
 
 

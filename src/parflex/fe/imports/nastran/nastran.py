@@ -112,7 +112,7 @@ def fitting(model: BulkModel, shapes: Array) -> tuple[str, tuple[str, ...]]:
 
 
 def normalisation(modes: Op2Modes, gram: Array, one: float) -> tuple[str, Array | None]:
-    """How the modes were normalised, and their modal masses, where the file lets one know."""
+    """The normalisation of the modes and their modal masses, where the file lets one know them."""
     masses = np.diagonal(gram)
     if modes.modal_mass is not None:
         unit = np.all(np.abs(modes.modal_mass - 1) < 1e-3)
