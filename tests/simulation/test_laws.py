@@ -24,21 +24,21 @@ from parflex.simulation.laws.law import Law
 TIMES = np.linspace(0, 0.05, 6)
 
 
-def dampers(robot, places):
+def dampers(mechanism, places):
     """The motion under dampers on the actuated joints; the row is (damping 1)."""
 
     def law(system, t, row, load):
-        u = -row * joint_rates(robot, system)
-        return u, dynamics.direct_of(robot, system, u, load)
+        u = -row * joint_rates(system)
+        return u, dynamics.direct_of(system, u, load)
 
-    return motion("dampers", robot, 1, law, places)
+    return motion("dampers", mechanism, 1, law, places)
 
 
-def dampers_jacobian(robot, places):
+def dampers_jacobian(mechanism, places):
     def drive(system, t, row):
-        return -row * joint_rates(robot, system), -row[..., None] * joint_tangent(robot, system)[1]
+        return -row * joint_rates(system), -row[..., None] * joint_tangent(system)[1]
 
-    return motion_jacobian(dampers(robot, places), places, drive)
+    return motion_jacobian(dampers(mechanism, places), places, drive)
 
 
 @dataclass(frozen=True, eq=False)
