@@ -58,7 +58,7 @@ def check_health(mechanism: Mechanism, health: Array) -> None:
 def check_gaps(mechanism: Mechanism, health: Array) -> None:
     """Raise InputError where a tip is not at its attachment, or leaves it."""
     at, limit = mechanism.health, OFF * min(1.0, mechanism.size)
-    if at.size == at.gap.start or np.max(np.abs(health[..., at.gap.start :])) <= limit:
+    if np.max(np.abs(health[..., at.gap.start :]), initial=0.0) <= limit:
         return
     for part, what, unit in ((at.gap, "", "m"), (at.gap_rate, " velocity", "m/s")):
         gaps = np.abs(health[..., part])

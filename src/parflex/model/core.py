@@ -2,22 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import NamedTuple, Protocol
 
-from parflex.analysis.health import check_health
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.analysis.health import check_health, check_state
 from parflex.base.array import Array
 from parflex.compiled import choose
 from parflex.compiled.functions import Functions
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.flat_state import flat_state, state_of
 from parflex.mechanics.mechanism import Mechanism, mechanism_of
-from parflex.mechanics.system import System, examined
+from parflex.mechanics.system import System, examined, joint_accelerations
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
-
-if TYPE_CHECKING:
-    from parflex.model.model import Model
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +48,10 @@ class Core:
         """The state of a flat vector (…, size), as `state_of`."""
         return state_of(self.mechanism, x)
 
+    def check(self, x: Array, found: Array) -> None:
+        """Raise an error where the flat state, by its health, is not one of the robot."""
+        check_state(self.functions, x, found)
+
     def system(self, state: State) -> System:
         """The mechanics at a state or a batch of them: legs, platform, closure.
 
@@ -65,6 +69,27 @@ def made(robot: Robot, backend: str, parameters: Sequence[str]) -> Core:
     return Core(mechanism, Functions(mechanism, choose(backend), Parameters(robot, parameters)))
 
 
-def core_of(model: "Model") -> Core:
+class HasCore(Protocol):
+    """A model, seen from below."""
+
+    _core: Core
+
+
+def core_of(model: HasCore) -> Core:
     """The core of a model."""
     return model._core
+
+
+class LegsMoved(NamedTuple):
+    """The mechanics at a state, q̈ (…, L, n) and contact forces (…, 3k), both group by group."""
+
+    system: System
+    qdd: list[Array]
+    contact: Array
+
+
+def legs_moved(core: Core, state: State, forces: ArrayLike, contact: Array) -> LegsMoved:
+    """The legs under forces (…, m) and the contact forces (…, k, 3), by attachment, that go with them."""
+    system, held = core.system(state), core.mechanism.attachments
+    f = contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held)))
+    return LegsMoved(system, joint_accelerations(system, np.asarray(forces, dtype=float), f), f)

@@ -9,25 +9,24 @@ from numpy.typing import ArrayLike
 
 from parflex.analysis import equilibrium, forward, gains, health, mobility, zero_dynamics
 from parflex.base.array import Array
-from parflex.base.check import broadcast_together, finite, of_type
+from parflex.base.check import broadcast_together, finite
 from parflex.base.errors import DynamicSingularity, InputError
 from parflex.kernels import jacobians
 from parflex.kernels import models as kernels
-from parflex.mechanics import system as assembly
 from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows, joints_of
-from parflex.mechanics.output import FrameOutput, Output
-from parflex.mechanics.wrench import generalised_force, places_of, pushes_of
-from parflex.model.core import made
+from parflex.mechanics.output import Output
+from parflex.mechanics.system import examined, joint_reactions
+from parflex.mechanics.wrench import places_of
+from parflex.model import inputs
+from parflex.model.core import legs_moved, made
 from parflex.model.flat import Compiled
+from parflex.model.inputs import Values, Wrenches
 from parflex.model.renamed import renamed
 from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
-from parflex.robot.wrench import Wrench
-
-Values = Mapping[str, ArrayLike] | None
 
 
 class Model:
@@ -39,7 +38,6 @@ class Model:
 
     States must be on the closure of the legs, which for robots of fewer than six freedoms is a
     condition (`project` finds the nearest); joints that are carried in the state are closed here.
-
     parameters names numbers of the robot that may change without compiling anew, by Python's path to
     them (docs/parameters.md): "gravity", "legs[0].joints[2].M", "platform.payload[12]" … `direct`,
     `inverse` and their Jacobians take values for them, batches too; `with_parameters` makes the model of
@@ -77,7 +75,7 @@ class Model:
         Raises InputError for names that are not among the parameters, a batch of values, and values
         that the robot itself would refuse.
         """
-        theta = self._core.functions.parameters.vector(values, self._core.functions.theta)
+        theta = inputs.theta(self._core, values)
         if theta.ndim > 1:
             raise InputError(
                 f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
@@ -88,12 +86,7 @@ class Model:
         return other
 
     def direct(
-        self,
-        state: State,
-        forces: ArrayLike,
-        wrenches: Sequence[Wrench] = (),
-        *,
-        parameters: Values = None,
+        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, parameters: Values = None
     ) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
@@ -103,11 +96,11 @@ class Model:
         Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
         where a leg's inverse geometry fails or the closure loses a row.
         """
-        x, u = self._core.flat(state), self._forces(forces)
-        load, theta = generalised_force(self.robot.platform, state, wrenches), self._theta(parameters)
+        x, u = self._core.flat(state), inputs.forces(self._core, forces)
+        load, theta = inputs.load(self._core, state, wrenches), inputs.theta(self._core, parameters)
         broadcast_together(state=x, forces=u, wrenches=load, parameters=theta)
         found = self._core.functions(kernels.direct, theta=theta).run(x=x, forces=u, load=load)
-        self._check(x, found["health"])
+        self._core.check(x, found["health"])
         health.check_finite(found["platform"])
         contact = by_attachment(self._core.mechanism, found["contact"])
         return Accelerations(found["platform"], found["elastic"], contact)
@@ -117,7 +110,7 @@ class Model:
         state: State,
         target: ArrayLike,
         output: Output | None = None,
-        wrenches: Sequence[Wrench] = (),
+        wrenches: Wrenches = (),
         *,
         preload: ArrayLike | None = None,
         parameters: Values = None,
@@ -132,14 +125,14 @@ class Model:
         OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
         beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        output, mechanism = self._commanded(output), self._core.mechanism
+        output, mechanism = inputs.commanded(self._core, output), self._core.mechanism
         x, wanted = self._core.flat(state), finite("target", target, (output.size,))
-        load, theta = generalised_force(self.robot.platform, state, wrenches), self._theta(parameters)
-        bias = np.zeros(mechanism.n_forces) if preload is None else self._forces(preload, "preload")
+        load, theta = inputs.load(self._core, state, wrenches), inputs.theta(self._core, parameters)
+        bias = inputs.preload(self._core, preload)
         broadcast_together(state=x, target=wanted, wrenches=load, preload=bias, parameters=theta)
         function = self._core.functions(kernels.inverse, output, theta=theta)
         found = function.run(x=x, target=wanted, load=load, preload=bias)
-        self._check(x, found["health"])
+        self._core.check(x, found["health"])
         health.check_finite(found["gain"])
         rigid = self._core.functions(kernels.gains, output, theta=theta).run(x=x)["rigid"]
         beyond = gains.check_gain(mechanism, output, *gains.spread(x, found["gain"], rigid))
@@ -149,12 +142,7 @@ class Model:
         return Forces(found["forces"], found["elastic"], found["platform"], contact)
 
     def direct_jacobian(
-        self,
-        state: State,
-        forces: ArrayLike,
-        wrenches: Sequence[Wrench] = (),
-        *,
-        parameters: Values = None,
+        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, parameters: Values = None
     ) -> DirectJacobian:
         """Derivatives of the accelerations of `direct` by state, forces, loads and parameters; exact.
 
@@ -163,10 +151,10 @@ class Model:
 
         Raises as `direct`, and InputError for a batch of wrenches.
         """
-        functions, places, u = self._core.functions, places_of(wrenches), self._forces(forces)
-        given, theta = self._jacobian_inputs(state, wrenches, parameters, forces=u)
+        functions, places, u = self._core.functions, places_of(wrenches), inputs.forces(self._core, forces)
+        given, theta = inputs.of_jacobian(self._core, state, wrenches, parameters, forces=u)
         found = functions(jacobians.direct_jacobian, places, theta=theta)(**given)
-        self._check(given["x"], found.pop("health"))
+        self._core.check(given["x"], found.pop("health"))
         if functions.parameters.items:
             build = jacobians.parameter_jacobian
             found |= functions(build, places, functions.parameters, theta=theta)(**given)
@@ -180,7 +168,7 @@ class Model:
         state: State,
         target: ArrayLike,
         output: Output | None = None,
-        wrenches: Sequence[Wrench] = (),
+        wrenches: Wrenches = (),
         *,
         parameters: Values = None,
     ) -> InverseJacobian:
@@ -189,17 +177,12 @@ class Model:
         Raises as `inverse`, and InputError for a batch of wrenches, and where the output has not as many
         rows as there are actuators.
         """
-        output, m = self._commanded(output), self.robot.n_forces
-        if output.size != m:
-            raise InputError(
-                f"output has {output.size} rows and the robot {m} actuators; the derivative is known for "
-                f"as many rows as actuators: choose another output"
-            )
+        output, m = inputs.square(self._core, output), self.robot.n_forces
         wanted = finite("target", target, (m,))
-        given, theta = self._jacobian_inputs(state, wrenches, parameters, target=wanted)
+        given, theta = inputs.of_jacobian(self._core, state, wrenches, parameters, target=wanted)
         build = jacobians.inverse_jacobian
         found = self._core.functions(build, output, places_of(wrenches), theta=theta)(**given)
-        self._check(given["x"], found["health"])
+        self._core.check(given["x"], found["health"])
         health.check_finite(found["by_state"])
         return InverseJacobian(*(by_rows(found[name], m) for name in ("by_state", "by_target")))
 
@@ -215,20 +198,22 @@ class Model:
         return joints_of(self._core.system(state))
 
     def joint_accelerations(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()
+        self, state: State, forces: ArrayLike, wrenches: Wrenches = ()
     ) -> tuple[Array, ...]:
         """q̈ (…, n_i) of each leg under given actuator forces (…, m); m/s² and rad/s².
 
         Raises as `direct`.
         """
-        return by_leg(self._core.mechanism, self._joints_moved(state, forces, wrenches)[1])
+        contact = self.direct(state, forces, wrenches).contact_forces
+        return by_leg(self._core.mechanism, legs_moved(self._core, state, forces, contact).qdd)
 
-    def reactions(self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench] = ()) -> Reactions:
+    def reactions(self, state: State, forces: ArrayLike, wrenches: Wrenches = ()) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
 
         Raises as `direct`.
         """
-        parts = zip(*assembly.joint_reactions(*self._joints_moved(state, forces, wrenches)), strict=True)
+        contact = self.direct(state, forces, wrenches).contact_forces
+        parts = zip(*joint_reactions(*legs_moved(self._core, state, forces, contact)), strict=True)
         return Reactions(*(by_leg(self._core.mechanism, part, core=2) for part in parts))
 
     def energies(self, state: State) -> Energies:
@@ -242,7 +227,7 @@ class Model:
         """
         mechanism = self._core.mechanism
         x = mobility.reached(mechanism, health.single("state", self._core.flat(state)))
-        found = assembly.examined(mechanism, x)[1]
+        found = examined(mechanism, x)[1]
         health.check_reach(mechanism, found)
         health.check_gaps(mechanism, found)
         return mobility.mobility(mechanism, x)
@@ -256,7 +241,7 @@ class Model:
         Raises InputError for a batch, and as `equilibrium` and `inverse` do.
         """
         health.single("state", self._core.flat(state))
-        return zero_dynamics.output_report(self._core.functions, state, self._commanded(output))
+        return zero_dynamics.output_report(self._core.functions, state, inputs.commanded(self._core, output))
 
     def project(self, state: State) -> State:
         """The state on the closure nearest to a state: what the legs allow.
@@ -311,60 +296,4 @@ class Model:
         The inverse model prescribes the output, all of V̇_p by default. Raises InputError for an
         output that the platform does not have.
         """
-        return Compiled(self._core, self._output(output))
-
-    def _check(self, x: Array, found: Array) -> None:
-        """Raise an error where the flat state, by its health, is not one of the robot."""
-        health.check_state(self._core.functions, x, found)
-
-    def _forces(self, forces: ArrayLike, name: str = "forces") -> Array:
-        """Forces (…, m), checked."""
-        return finite(name, forces, (self.robot.n_forces,))
-
-    def _theta(self, parameters: Values) -> Array:
-        """θ (…, P), by default the model's."""
-        functions = self._core.functions
-        return (
-            functions.theta
-            if parameters is None
-            else functions.parameters.vector(parameters, functions.theta)
-        )
-
-    def _jacobian_inputs(
-        self, state: State, wrenches: Sequence[Wrench], parameters: Values, **argument: Array
-    ) -> tuple[dict[str, Array], Array]:
-        """The inputs of a Jacobian, its wrenches side by side (6 L,), and θ (…, P)."""
-        x, theta = self._core.flat(state), self._theta(parameters)
-        generalised_force(self.robot.platform, state, wrenches)
-        pushes = pushes_of(wrenches)
-        if pushes.ndim > 1:
-            raise InputError(f"wrenches are a batch {pushes.shape[:-1]}; derivatives take single ones")
-        broadcast_together(state=x, **argument, parameters=theta)
-        return {"x": x, "pushes": pushes, **argument}, theta
-
-    def _output(self, output: Output | None) -> Output:
-        """The output, all of V̇_p by default, checked against the platform."""
-        output = FrameOutput() if output is None else output
-        of_type("output", output, Output, "an")
-        output.check(self.robot.platform)
-        return output
-
-    def _commanded(self, output: Output | None) -> Output:
-        """The output, checked against the platform and the actuators."""
-        output = self._output(output)
-        if self.robot.n_forces < output.size:
-            raise InputError(
-                f"output asks for {output.size} accelerations, but the robot has "
-                f"{self.robot.n_forces} actuators; name as many with FrameOutput(rows=…)"
-            )
-        return output
-
-    def _joints_moved(
-        self, state: State, forces: ArrayLike, wrenches: Sequence[Wrench]
-    ) -> tuple[assembly.System, list[Array], Array]:
-        """The mechanics at a state, q̈ (…, L, n) of each group, and the contact forces (…, 3k) by group."""
-        contact = self.direct(state, forces, wrenches).contact_forces
-        system, u = self._core.system(state), self._forces(forces)
-        held = system.mechanism.attachments
-        f = contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held)))
-        return system, assembly.joint_accelerations(system, u, f), f
+        return Compiled(self._core, inputs.output_of(self._core, output))
