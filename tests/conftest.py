@@ -1,5 +1,9 @@
 """What the tests share: models and runs that are made once, the command, Ctrl-C."""
 
+import os
+
+os.environ["OPENBLAS_NUM_THREADS"] = "1"  # before NumPy: a test's matrices are small, its processes many
+
 import signal
 import sys
 from collections.abc import Callable, Iterator
