@@ -1,4 +1,4 @@
-"""The borders of the code: what the mechanics may import, and what must be documented."""
+"""The borders of the code: what may import what, how large files are, and what must be documented."""
 
 import ast
 import importlib
@@ -6,30 +6,68 @@ import inspect
 import pkgutil
 import subprocess
 import sys
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
 
 import parflex as pf
 
-MECHANICS = ("base", "robot", "mechanics", "kernels")
+STOREYS = (
+    *("base", "robot", "mechanics", "kernels", "compiled", "analysis", "model"),
+    *("fe", "robots", "files", "simulation", "export", "views", "app"),
+)
+NUMPY_ALONE = STOREYS[: STOREYS.index("kernels") + 1]
+ROOT = Path(pf.__file__).parent
+MODULES = {
+    ".".join(["parflex", *path.relative_to(ROOT).with_suffix("").parts]).removesuffix(".__init__"): path
+    for path in sorted(ROOT.rglob("*.py"))
+}
 
 
-def modules(folders):
-    """The names of all modules of folders."""
-    root = Path(pf.__file__).parent
-    for folder in folders:
-        for path in sorted((root / folder).rglob("*.py")):
-            yield ".".join(["parflex", *path.relative_to(root).with_suffix("").parts]).removesuffix(
-                ".__init__"
-            )
+def storey(name):
+    """The height of a module; the root's files, which open the house, are above all others."""
+    folder = name.split(".")[1:2]
+    return STOREYS.index(*folder) if folder and folder != ["__main__"] else len(STOREYS)
+
+
+def imported(name):
+    """The modules that a module imports: at its head, inside functions, and for types alone."""
+    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in MODULES)
+        if isinstance(node, ast.ImportFrom):
+            assert node.level == 0, f"{name} imports relatively"
+            for alias in node.names:
+                whole = f"{node.module}.{alias.name}"
+                yield from [each for each in (whole, node.module) if each in MODULES][:1]
+
+
+def test_imports_go_down():
+    """No module imports one of a higher storey."""
+    upward = {(name, each) for name in MODULES for each in imported(name) if storey(each) > storey(name)}
+    assert upward == set()
+
+
+def test_no_circles_of_imports():
+    """The modules can be put in an order where each imports earlier ones alone; a circle is named."""
+    order = TopologicalSorter({name: set(imported(name)) for name in MODULES}).static_order()
+    assert set(order) == MODULES.keys()
+
+
+def test_files_are_short():
+    """Three lie loose at the root; none has more than 300 lines."""
+    loose = {path.name for path in ROOT.iterdir() if path.is_file()}
+    assert loose == {"__init__.py", "__main__.py", "py.typed"}
+    lines = {name: len(path.read_text(encoding="utf-8").splitlines()) for name, path in MODULES.items()}
+    assert {name: count for name, count in lines.items() if count > 300} == {}
 
 
 def test_mechanics_imports_numpy_alone():
     """Importing it in a fresh interpreter loads no other package than NumPy."""
     code = (
         "import sys; before = set(sys.modules)\n"
-        + "".join(f"import {name}\n" for name in modules(MECHANICS))
+        + "".join(f"import {name}\n" for name in MODULES if storey(name) < len(NUMPY_ALONE))
         + "print(*sorted({m.split('.')[0] for m in set(sys.modules) - before}))"
     )
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
@@ -55,9 +93,8 @@ def test_heavy_tools_stay_at_the_rim():
         "pint": ("files",),
         "tomli_w": ("files",),
     }
-    root = Path(pf.__file__).parent
-    for path in root.rglob("*.py"):
-        inside = path.relative_to(root).parts[0]
+    for path in MODULES.values():
+        inside = path.relative_to(ROOT).parts[0]
         for tool, allowed in homes.items():
             if any(f"{word}{tool}" in path.read_text() for word in ("import ", "from ", 'extra("')):
                 assert inside in allowed, f"{path.name} imports {tool}"
