@@ -119,9 +119,21 @@ def terms_of(
     joints = chain.Joints(*(np.broadcast_to(a, (*legs, n)) for a in group.type.joints(group, place, q)))
     frames = chain.frames(group.chain, joints)
     qd = np.broadcast_to(group.type.rates(group, frames, joints, place, velocity, qd), (*legs, n))
-    rest = np.zeros(n)
-    gravity = mtv(group.rotation, gravity)
+    rest, gravity = np.zeros(n), mtv(group.rotation, gravity)
     motions = chain.link_motions(group.chain, frames, qd, rest, gravity)
+    J, Jdqd, gap = tips_of(group, frames, motions, gravity, R_ip, place)
+    A = np.broadcast_to(chain.inertia_matrix(group.chain, frames), (*legs, n, n))
+    c = chain.inverse_dynamics(group.chain, frames, motions, rest) + chain.friction(group.chain, qd)
+    c = c + group.chain.k * chain.stretch(group.chain, joints)
+    reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
+    moved = (qd, A, c, J, Jdqd, gap, mv(J, qd) - v, reach, regularity)
+    return LegTerms(EMPTY, joints, frames, *moved, branch, R_ip, place, velocity)
+
+
+def tips_of(
+    group: LegGroup, frames: Frames, motions: list[chain.Motion], gravity: Array, R_ip: Array, place: Array
+) -> tuple[Array, Array, Array]:
+    """J (…, L, 3t, n), J̇q̇ and the gap (…, L, 3t) at the tips, in Σp; gravity and places are in Σ0i."""
     R_pi = transpose(R_ip[..., 0, :, :])
     J, Jdqd, gap = [], [], []
     for t, j in enumerate(group.tip_frames):
@@ -130,14 +142,7 @@ def terms_of(
         J.append(R_pi @ chain.tip_jacobian(group.chain, frames, j, offset))  # Eqs. 1, 3
         Jdqd.append(mv(R_pi, acceleration + gravity))
         gap.append(mv(R_pi, chain.tip_position(frames, j, offset) - place[..., t, :]))
-    by_tip = np.concatenate(J, axis=-2)
-    A = np.broadcast_to(chain.inertia_matrix(group.chain, frames), (*legs, n, n))
-    c = chain.inverse_dynamics(group.chain, frames, motions, rest) + chain.friction(group.chain, qd)
-    c = c + group.chain.k * chain.stretch(group.chain, joints)
-    reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
-    gaps = np.concatenate(gap, axis=-1), mv(by_tip, qd) - v
-    moved = (qd, A, c, by_tip, np.concatenate(Jdqd, axis=-1), *gaps, reach, regularity)
-    return LegTerms(EMPTY, joints, frames, *moved, branch, R_ip, place, velocity)
+    return np.concatenate(J, axis=-2), np.concatenate(Jdqd, axis=-1), np.concatenate(gap, axis=-1)
 
 
 def selection(group: LegGroup) -> Array:

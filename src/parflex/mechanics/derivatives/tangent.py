@@ -45,6 +45,8 @@ class LegTangent(NamedTuple):
 def platform_tangent(platform: Platform, x: Coordinates, gravity: Array, a: Array) -> PlatformTangent:
     """All terms are integrals of ρ and Φ_k with the acceleration v̇ − g + Ω ρ + 2 ω × Φ q̇_e + Φ q̈_e.
 
+    The function is long because all of them share the integrals at its head.
+
     x at one state, gravity (…, 3) in Σp, a (…, 6 + N).
     """
     t, omega, q_e, qd_e = platform.moments, x.twist[..., 3:], x.elastic, x.elastic_rate
