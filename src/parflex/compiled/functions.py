@@ -7,6 +7,7 @@ from threading import Lock
 from parflex.base.array import Array
 from parflex.compiled.at import At
 from parflex.compiled.backend import Backend, Function
+from parflex.kernels.by_tips import by_tips
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.parametrised import Build, Parametrised, parametrised
 from parflex.mechanics.mechanism import Mechanism
@@ -54,4 +55,4 @@ class Functions:
     @cached_property
     def _solvable(self) -> Mechanism:
         """The first mechanism, with the rows of its closure that the models solve."""
-        return with_rows(self._first)
+        return by_tips(with_rows(self._first))

@@ -35,7 +35,13 @@ class Contact(NamedTuple):
 
 
 def contact_system(system: System, wrench: Array) -> Contact:
-    """The system at a state, under a generalised force (…, 6 + N)."""
+    """The contact system at a state, under a generalised force (…, 6 + N), as the mechanism has it formed."""
+    found: Contact = (system.mechanism.elimination or eliminated)(system, wrench)
+    return found
+
+
+def eliminated(system: System, wrench: Array) -> Contact:
+    """The contact system at a state, under a generalised force (…, 6 + N)."""
     solve, (A_rr, A_re, c_r, c_e) = system.mechanism.platform.modal_solve, system.platform
     c_r, c_e = c_r - wrench[..., :6], c_e - wrench[..., 6:]
     E = transpose(solve(transpose(A_re)))

@@ -1,6 +1,6 @@
 """A robot as the mechanics reads it: legs gathered, tables side by side, and the orders that undo this."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -57,7 +57,8 @@ class Mechanism:
     Legs of one type and equal structure are a group, and inside the mechanics tips, joints and forces stand
     group by group; `force_order`, `joint_order` and `tip_order` put them in the order of the legs, in which
     everybody else has them. With other numbers in its tables it is another mechanism, `dataclasses.replace`.
-    `rows`, of which the models solve the independent ones, are found by `redundancy.with_rows`.
+    `rows`, of which the models solve the independent ones, are found by `redundancy.with_rows`. `elimination`
+    forms the contact system in another order than `contact.eliminated` does, where that is quicker.
     """
 
     robot: Robot
@@ -65,6 +66,7 @@ class Mechanism:
     platform: Platform
     gravity: Array  # (3,) in Σ0
     rows: Rows | None = None
+    elimination: Callable[[Any, Array], Any] | None = None
 
     @property
     def solved_rows(self) -> Rows:
