@@ -58,7 +58,8 @@ def check_health(mechanism: Mechanism, health: Array) -> None:
 def check_gaps(mechanism: Mechanism, health: Array) -> None:
     """Raise InputError where a tip is not at its attachment, or leaves it."""
     at, limit = mechanism.health, OFF * min(1.0, mechanism.size)
-    if np.max(np.abs(health[..., at.gap.start :]), initial=0.0) <= limit:
+    every = health[..., at.gap.start :]
+    if every.size == 0 or np.max(np.abs(every)) <= limit:
         return
     for part, what, unit in ((at.gap, "", "m"), (at.gap_rate, " velocity", "m/s")):
         gaps = np.abs(health[..., part])

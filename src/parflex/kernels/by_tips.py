@@ -1,9 +1,9 @@
 """The contact system formed tip by tip, for machine code that computes one state.
 
-All tips share an instruction then, where the formula of `mechanics.contact` leaves the product Bᵀ A_s⁻¹ B to
-scalar code: by the formula a single direct model takes longer, by 11 % for the rigid Gough-Stewart robot, 14 %
-with ten modes, 7 % with forty, 4 to 10 % for a Delta. In batches the two cost the same number of operations,
-and the formula is what runs.
+All tips share an instruction then, where the formula of `mechanics.contact` leaves the product Bᵀ A_s⁻¹ B
+to scalar code: by the formula a single direct model takes longer, by 11 % for the rigid Gough-Stewart
+robot, 14 % with ten modes, 7 % with forty, 4 to 10 % for a Delta. In batches the two cost the same number
+of operations, and the formula is what runs.
 """
 
 from collections.abc import Sequence

@@ -84,6 +84,8 @@ def started(robot: Robot, state: State) -> State:
 
 def check_joints(robot: Robot, state: State) -> None:
     """Raise InputError where the joints that a state names are not those of the legs."""
+    if state.joints is None and state.joint_rates is None:
+        return
     counts = [len(leg.joints) for leg in robot.legs]
     for name in ("joints", "joint_rates"):
         values = getattr(state, name)

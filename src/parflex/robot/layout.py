@@ -136,7 +136,7 @@ def pack(state: State, layout: Layout) -> Array:
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
         *carried_vectors(state.joints, layout),
         *carried_vectors(state.joint_rates, layout),
-        (np.ones(len(layout.branched)), len(layout.branched)),
+        *([(np.ones(len(layout.branched)), len(layout.branched))] if layout.branched else []),
     )
     if not batch:
         return np.concatenate([part for part, _ in parts])
