@@ -102,6 +102,8 @@ def joint_entries(joint: Joint, before: int) -> dict[str, Any]:
 
 def written(value: Any) -> Any:
     """Numbers as TOML has them; of a matrix that is symmetric to the bit XX, YY, ZZ, XY, XZ, YZ alone."""
+    if isinstance(value, float):
+        return value
     matrix = np.asarray(value, dtype=float)
     if matrix.ndim == 2 and repr(matrix.tolist()) == repr(matrix.T.tolist()):
         return [float(matrix[at]) for at in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]
