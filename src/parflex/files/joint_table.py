@@ -1,5 +1,6 @@
 """The table of a joint in a robot file, made of the fields of the joint, read and written."""
 
+from functools import cache
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
@@ -90,14 +91,22 @@ def joint_entries(joint: Joint, before: int) -> dict[str, Any]:
     """The table of a joint without what is by default, with `before` joints before it."""
     far = {} if joint.antecedent == before else {"antecedent": joint.antecedent}
     driven = {"actuated": True} if joint.mu else {}
-    columns = in_files(type(joint)).items()
-    plain_first = sorted(columns, key=lambda item: item[1].shape != () or np.isinf(item[1].default))
+    kind: Any = type(joint)
     values = {
-        column.file: written(value)
-        for name, column in plain_first
-        if repr(written(value := getattr(joint, name))) != repr(written(column.default))
+        file: value
+        for name, file, default in numbers(kind)
+        if repr(value := written(getattr(joint, name))) != default
     }
     return {"type": ("revolute", "prismatic")[joint.sigma], **far, **driven, **values}
+
+
+@cache
+def numbers(joint: Any) -> list[tuple[str, str, str]]:
+    """The numbers of a kind of joint, plain ones first: name, name in files, and the default as text."""
+    columns = sorted(
+        in_files(joint).items(), key=lambda item: item[1].shape != () or np.isinf(item[1].default)
+    )
+    return [(name, column.file, repr(written(column.default))) for name, column in columns]
 
 
 def written(value: Any) -> Any:
