@@ -1,7 +1,7 @@
 """Kernels that read the robot's parameters θ (P,) as one more input, `theta`."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -18,7 +18,7 @@ Build = Callable[..., Kernel]
 class Parametrised(Kernel):
     """A kernel one of whose inputs is θ (…, P), own those of the robot itself."""
 
-    own: Array = ...  # type: ignore[assignment]
+    own: Array = field(default_factory=lambda: np.zeros(0))
 
     def probe(self, count: int) -> Vectors:
         """Inputs as of any kernel, with parameters near the robot's own."""

@@ -172,7 +172,10 @@ def machine() -> llvm.TargetMachine:
 
 @cache
 def initialise() -> None:
-    """Prepare LLVM for this processor, once."""
+    """Prepare LLVM for this processor, once.
+
+    The option is one of the whole process: other users of llvmlite get code that is ordered by it, too.
+    """
     llvm.set_option("parflex", f"-dag-maps-huge-region={REGION}")
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
