@@ -7,6 +7,7 @@ import numpy as np
 
 from parflex.compiled.native import native
 from parflex.kernels import models as kernels
+from parflex.kernels.by_tips import by_tips
 from parflex.kernels.kernel import Kernel
 from parflex.mechanics.redundancy import solvable
 from parflex.robot.robot import Robot
@@ -32,6 +33,6 @@ class Rows(NamedTuple):
 
 def direct_rows(robot: Robot, lanes: int, count: int) -> Rows:
     """The direct model, `lanes` states per instruction, at states near home."""
-    kernel: Kernel = kernels.direct(solvable(robot))
+    kernel: Kernel = kernels.direct(by_tips(solvable(robot)))
     arrays = [*kernel.probe(count).values(), *(np.zeros((count, n)) for n in kernel.outputs.values())]
     return Rows(native.code(kernel, lanes), arrays, count)

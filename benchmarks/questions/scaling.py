@@ -9,6 +9,7 @@ from benchmarks.timing import alternate
 from parflex.compiled.native.loops import program
 from parflex.compiled.native.native import widest
 from parflex.kernels import models as kernels
+from parflex.kernels.by_tips import by_tips
 from parflex.mechanics.redundancy import solvable
 from parflex.robot.robot import Robot
 from parflex.robots.delta import delta
@@ -23,7 +24,7 @@ def ask() -> Section:
     section = Section("Cost against modes and legs: one direct model", head)
     peaks, best = [Peak(1), Peak(widest())], {}
     for name, robot in robots().items():
-        count, cells = program(kernels.direct(solvable(robot))).operations, []
+        count, cells = program(kernels.direct(by_tips(solvable(robot)))).operations, []
         for peak in peaks:
             model = direct_rows(robot, peak.lanes, ROWS).one_thread()
             times = alternate({"model": model, "peak": peak.run})
