@@ -53,8 +53,8 @@ def paper_flown() -> Section:
         way = paper.trajectory(model.robot)
         start = model.equilibrium(*model.robot.home_pose)[0]
         times = np.linspace(0.0, way.duration, round(way.duration / paper.SAMPLE_TIME) + 1)
-        given = pf.ComputedTorque(model, way), start, times, paper.RTOL, paper.ATOL
-        run = partial(pf.simulate, model, *given)
+        given = pf.ComputedTorque(model, way), start, times
+        run = partial(pf.simulate, model, *given, rtol=paper.RTOL, atol=paper.ATOL)
         seconds = alternate({"run": run}, 11)["run"].median
         section.add(modes, f"{way.duration:.3g}", f"{seconds:.3g}", f"{way.duration / seconds:.3g}")
     return section
