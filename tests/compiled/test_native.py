@@ -18,8 +18,11 @@ from parflex.compiled.native.loops import program
 from parflex.compiled.vm import VmBackend, VmFunction
 from parflex.kernels import models as kernels
 from parflex.kernels import motion
+from parflex.kernels.by_tips import by_tips
 from parflex.kernels.projection import projection
-from parflex.mechanics.redundancy import solvable
+from parflex.mechanics.legs.carried import Carried
+from parflex.mechanics.mechanism import mechanism_of
+from parflex.mechanics.redundancy import solvable, with_rows
 from parflex.model.core import core_of
 
 SAME = 1e-13  # fused multiplications round less often; relative to the largest entry
@@ -207,12 +210,14 @@ def test_other_robots_have_other_keys(model_of):
     """What a robot is made of, to the last bit, names its code."""
     robot = model_of(0).robot
     lighter = solvable(replace(robot, gravity=(0, 0, np.nextafter(-9.81, 0))))
+    carried = with_rows(mechanism_of(robot, (Carried(),)))
     robot = solvable(robot)
     keys = {cache.key_of(kernel.name, kernel.subject) for kernel in (
         kernels.direct(robot), kernels.direct(lighter), motion.derivative(robot),
         kernels.inverse(robot, pf.FrameOutput()), kernels.inverse(robot, pf.FrameOutput((0, 1, 2))),
+        kernels.direct(by_tips(robot)), kernels.direct(carried),
     )}  # fmt: skip
-    assert len(keys) == 5
+    assert len(keys) == 7
 
 
 def test_every_operation_has_a_translation():

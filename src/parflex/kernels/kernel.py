@@ -31,8 +31,11 @@ class Kernel:
 
     @property
     def subject(self) -> tuple[Any, ...]:
-        """The robot and what else determines the function."""
-        return (self.mechanism.robot, *self.chosen)
+        """The robot and what else determines the function, down to how its legs and contacts are computed."""
+        mechanism = self.mechanism
+        ways: list[Any] = [type(group.type) for group in mechanism.groups]
+        ways += [mechanism.elimination] if mechanism.elimination else []
+        return (mechanism.robot, [f"{way.__module__}.{way.__qualname__}" for way in ways], *self.chosen)
 
     def probe(self, count: int) -> Vectors:
         """Inputs (count, n_i) near home, in motion, to try an implementation on."""
