@@ -1,5 +1,6 @@
 """Static equilibrium under gravity: the platform bends until all forces balance."""
 
+import warnings
 from collections.abc import Callable
 
 import numpy as np
@@ -15,18 +16,19 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, examined
 from parflex.robot.state import State
 
+SETTLED = 1e-13  # of the first bend: a change that is round-off
+
 
 def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[Array, Array]:
     """The flat state at rest, and the actuator forces (m,) that hold it.
 
     `place` gives the flat state for a bend q_e (N,). For a given bend, forces and moments balance
-    linearly; the bend they cause is iterated on.
+    linearly; the bend they cause is iterated on, by Anderson's method and, where that does not settle, by
+    Powell's.
 
     Raises InputError for a mode without stiffness, NotConverged where no forces hold the platform or
     it is too soft for a small deflection.
     """
-    from scipy.optimize import root
-
     modes = mechanism.platform.modes
     if modes and not np.all(mechanism.platform.stiffness > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
@@ -38,17 +40,34 @@ def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[
         load = system.W_e @ f + mechanism.platform.moments.S.T @ (system.x.rotation.T @ mechanism.gravity)
         return load / mechanism.platform.stiffness, forces
 
-    q_e = np.zeros(modes)
-    if modes:
-        found = root(lambda q: bend(q)[0] - q, q_e, options={"xtol": 1e-14})
-        q_e = found.x
-        scale = np.max(np.abs(q_e), initial=1e-12)
-        if not np.all(np.abs(bend(q_e)[0] - q_e) <= 1e-9 * scale):
-            raise NotConverged(
-                "no equilibrium was found near the undeformed platform; it is too soft for its "
-                "weight at this pose: raise its frequencies or move the pose"
-            )
+    q_e = fixed_point(lambda q: bend(q)[0], modes) if modes else np.zeros(0)
     return place(q_e), bend(q_e)[1]
+
+
+def fixed_point(bend: Callable[[Array], Array], modes: int) -> Array:
+    """The bend (N,) that causes itself; raises NotConverged where none is found near zero."""
+    from scipy.linalg import LinAlgWarning
+    from scipy.optimize import NoConvergence, anderson, root
+
+    none = np.zeros(modes)
+    nearly = SETTLED * float(np.max(np.abs(bend(none)), initial=1e-12))
+
+    def excess(q: Array) -> Array:
+        return bend(q) - q
+
+    options = {"alpha": 1.0, "w0": 1e-6, "line_search": None, "f_tol": nearly, "maxiter": 40}
+    try:
+        with warnings.catch_warnings():  # the last steps are round-off, and depend on one another
+            warnings.simplefilter("ignore", LinAlgWarning)
+            return np.asarray(anderson(excess, none, **options))
+    except (NoConvergence, ValueError, np.linalg.LinAlgError, NotConverged):
+        found: Array = root(excess, none, options={"xtol": 1e-14}).x
+    if not np.all(np.abs(excess(found)) <= 1e-9 * np.max(np.abs(found), initial=1e-12)):
+        raise NotConverged(
+            "no equilibrium was found near the undeformed platform; it is too soft for its "
+            "weight at this pose: raise its frequencies or move the pose"
+        )
+    return found
 
 
 def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array]:

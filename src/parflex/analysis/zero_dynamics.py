@@ -6,19 +6,15 @@ import numpy as np
 
 from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.gains import check_gain, gain_matrix, gain_ratio, ratio
-from parflex.analysis.mobility import null_space, scaled_closure
+from parflex.analysis.small_motions import allowed, poles, slopes
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
-from parflex.kernels.motion import derivative
-from parflex.mechanics.closure import ALL, accelerated, carried_part, displaced, units
 from parflex.mechanics.flat_state import state_of
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.robot.layout import coordinates
 from parflex.robot.state import State
-
-STEP = 1e-6  # of the platform's size, for differences
 
 
 @dataclass(frozen=True)
@@ -79,33 +75,19 @@ def output_report(functions: Functions, state: State, output: Output) -> OutputR
 
 
 def zero_poles(functions: Functions, x: Array, forces: Array, output: Output) -> Array:
-    """Poles (2 n,) of the motion left about an equilibrium x while the output does not accelerate.
+    """Poles (2 n,) of the motion left about an equilibrium x while the output does not accelerate."""
+    mechanism = functions.mechanism
+    inverse, none = functions(models.inverse, output), np.zeros(6 + mechanism.platform.modes)
+    target = np.zeros(output.size)
 
-    By central differences of the inverse model, along the motions that keep closure and output.
-    """
-    mechanism, at = functions.mechanism, functions.mechanism.layout.at
-    T = held_motions(mechanism, x, output)
-    platform, joints = np.split(T, [mechanism.layout.displacements.joints.start])
-    kept = np.concatenate([platform, carried_part(mechanism, joints.T).T])
-    step = STEP * mechanism.size
-    steps = step * np.concatenate([T.T, -T.T])
-    start = np.broadcast_to(x, (len(steps), len(x)))
-    states = np.concatenate([displaced(mechanism, start, steps), accelerated(mechanism, start, steps)])
-    none, target = np.zeros(6 + mechanism.platform.modes), np.zeros(output.size)
-    Gamma = functions(models.inverse, output)(x=states, target=target, load=none, preload=forces)["forces"]
-    rates = functions(derivative)(x=states, forces=Gamma, load=none)["rate"]
-    a = np.concatenate([rates[:, part] for part in (at.twist, at.elastic_rate, at.joint_rates)], axis=-1)
-    plus_place, minus_place, plus_rate, minus_rate = np.split(a @ np.linalg.pinv(kept).T, 4)
-    A, B = (plus_place - minus_place).T / (2 * step), (plus_rate - minus_rate).T / (2 * step)
-    one, zero = np.eye(len(A)), np.zeros(A.shape)
-    return np.sort_complex(np.linalg.eigvals(np.block([[zero, one], [A, B]])))
+    def held(states: Array) -> Array:
+        return inverse(x=states, target=target, load=none, preload=forces)["forces"]
+
+    return poles(*slopes(functions, x, held_motions(mechanism, x, output), held))
 
 
 def held_motions(mechanism: Mechanism, x: Array, output: Output) -> Array:
     """Motions (6 + N + n, d) that the closure allows and the output does not see."""
-    c, scale = coordinates(x, mechanism.layout), units(mechanism, ALL)
-    every = np.eye(6 + mechanism.platform.modes)
+    c, every = coordinates(x, mechanism.layout), np.eye(6 + mechanism.platform.modes)
     seen = output.linear(mechanism.platform.body, c, every[:6], every[6:])
-    blind = np.zeros((output.size, len(scale) - len(every)))
-    rows = np.hstack([seen, blind]) * scale
-    return scale[:, None] * null_space(np.vstack([scaled_closure(mechanism, x), rows]))
+    return allowed(mechanism, x, np.hstack([seen, np.zeros((output.size, len(mechanism.driven)))]))
