@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from parflex.simulation.laws.computed_torque import ComputedTorque as ComputedTorque
     from parflex.simulation.laws.controller import Controller as Controller
     from parflex.simulation.laws.joint_pd import JointPD as JointPD
+    from parflex.simulation.laws.servo import Servo as Servo
     from parflex.simulation.result import (
         Result as Result,
         RunStopped as RunStopped,
@@ -86,6 +87,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.laws.computed_torque": "ComputedTorque",
     "simulation.laws.controller": "Controller",
     "simulation.laws.joint_pd": "JointPD",
+    "simulation.laws.servo": "Servo",
     "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
     "simulation.trajectory": "Trajectory",

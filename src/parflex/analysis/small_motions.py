@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.mobility import null_space, scaled_closure
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
@@ -18,6 +19,7 @@ from parflex.kernels.motion import derivative
 from parflex.mechanics.closure import ALL, accelerated, actuated_rows, carried_part, displaced, units
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput
+from parflex.robot.state import State
 
 STEP = 1e-6  # of the platform's size, for differences
 
@@ -97,6 +99,11 @@ class SmallMotions:
         joints = np.delete(actuated_rows(mechanism), bend, axis=1) @ Z
         found: Array = joints @ np.linalg.pinv(Z[:6]) @ G_r
         return found
+
+
+def about(functions: Functions, state: State) -> SmallMotions:
+    """The small motions about the equilibrium in the pose of a state; raises as `at_rest`."""
+    return SmallMotions(functions, *at_rest(functions, "state", state))
 
 
 def poles(K: Array, C: Array) -> Array:

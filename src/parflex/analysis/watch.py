@@ -36,7 +36,8 @@ class Watch:
             self._start = gains[:, 0]
             if check_gain(self._mechanism, self._output, x[0], *(gain.reshape(-1) for gain in self._start)):
                 warnings.warn(beyond_words(np.array(True)), DynamicSingularity, stacklevel=5)  # of simulate
-        flexible, rigid = np.linalg.det(gains @ transpose(self._start)[:, None])
+        with np.errstate(over="ignore", invalid="ignore"):  # of a motion that diverges
+            flexible, rigid = np.linalg.det(gains @ transpose(self._start)[:, None])
         crossed = (flexible < 0) | (rigid < 0)
         before = int(np.argmax(crossed)) if np.any(crossed) else len(x)
         self._last = gains[:, max(before, 1) - 1]

@@ -14,6 +14,7 @@ from parflex.base.errors import InputError
 
 if TYPE_CHECKING:
     from parflex.mechanics.output import FrameOutput
+    from parflex.simulation.laws.verdict import Verdict
     from parflex.simulation.result import Result
 
 RobotPath = Annotated[Path, typer.Argument(help="A robot file (TOML).")]
@@ -63,6 +64,8 @@ def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat
     model = Model(file.robot, "numpy")
     console.print(table_of(overview.JOINT_HEADS, overview.joint_rows(model)))
     console.print(str(model.mobility(file.robot.home)))
+    for choice, verdict in overview.controls(model):
+        tell_control(choice.why, verdict)
     check_writable(out)
     drawn = plot.robot_at(sketch(model, file.robot.home), "home")
     [picture] = plot.save({robot.stem: drawn}, out, image)
@@ -89,7 +92,9 @@ def simulate(
     check_standing(file)
     check_writable(out)
     start = time.perf_counter()
-    done = flight.fly(file, plan, backend, say=lambda words: step(start, words))
+    prepared = flight.prepare(file, plan, backend, say=lambda words: step(start, words))
+    tell_control(prepared.choice.why, prepared.verdict)
+    done = flight.fly(prepared, say=lambda words: step(start, words))
     save_run(done.result, out, start)
     step(start, "drawing the pictures")
     tell_run(done.result, flight.figures(done, out, image))
@@ -148,6 +153,15 @@ def table_of(heads: tuple[str, ...], rows: list[tuple[str, ...]]) -> Table:
     for row in rows:
         table.add_row(*(escape(cell) for cell in row))
     return table
+
+
+def tell_control(why: str, verdict: "Verdict | None") -> None:
+    """Print why the default control was not taken, and what is to be expected of the one that was."""
+    if why:
+        console.print(f"[yellow]computed torque is the default here[/]: {escape(why)}")
+    if verdict is not None:
+        colour = "green" if verdict.stable else "bold red"
+        console.print(f"[{colour}]verdict[/] {escape(str(verdict))}")
 
 
 def save_run(result: "Result", out: Path, start: float) -> None:

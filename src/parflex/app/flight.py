@@ -6,12 +6,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.app.trajectory_file import Plan, planned_controller, start_of, trajectory_of
+from parflex.app.trajectory_file import Plan, planned_control, start_of, trajectory_of
 from parflex.files.robot_file import RobotFile
 from parflex.model.core import core_of
 from parflex.model.model import Model
+from parflex.simulation.laws.choice import Choice
+from parflex.simulation.laws.controller import Start
+from parflex.simulation.laws.verdict import Verdict
 from parflex.simulation.result import Result
 from parflex.simulation.simulate import simulate
+from parflex.simulation.trajectory import Trajectory
 from parflex.views.sketch import instant_of_largest_bend, sketch_of
 
 
@@ -22,25 +26,53 @@ class Flight(NamedTuple):
     result: Result
 
 
-def fly(
+class Prepared(NamedTuple):
+    """A robot at the start of a plan, with the controller that drives it and what is to be expected of it."""
+
+    file: RobotFile
+    plan: Plan
+    model: Model
+    start: Start
+    way: Trajectory
+    choice: Choice
+    verdict: Verdict | None
+
+
+def prepare(
     file: RobotFile, plan: Plan, backend: str = "auto", say: Callable[[str], None] = lambda words: None
-) -> Flight:
-    """The robot of a file along the plan of another.
+) -> Prepared:
+    """The robot of a file at the start of the plan of another, which names its control or takes the default.
 
     Raises InputError where they do not fit each other, with the line.
     """
-    model, table = Model(file.robot, backend), plan.table
+    model = Model(file.robot, backend)
     say("looking for the start")
     start = start_of(plan, model)
     way = trajectory_of(plan, start.state)
-    say(f"compiling the models ({core_of(model).functions.backend.version()})")
-    controller = planned_controller(plan, model, start, way)
-    say(f"flying the trajectory ({way.duration:.4g} s)")
+    say("looking whether the control is stable")
+    choice = planned_control(plan, model, start, way)
+    return Prepared(file, plan, model, start, way, choice, choice.controller.verdict(start.state))
+
+
+def fly(prepared: Prepared, say: Callable[[str], None] = lambda words: None) -> Flight:
+    """The robot along its plan."""
+    file, plan, model, start, way, choice, verdict = prepared
+    table = plan.table
+    say(f"flying the trajectory ({way.duration:.4g} s) on {core_of(model).functions.backend.version()}")
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))
     result = simulate(
-        model, controller, start.state, times, rtol=table.rtol, atol=table.atol, max_step=table.max_step
+        model,
+        choice.controller,
+        start.state,
+        times,
+        rtol=table.rtol,
+        atol=table.atol,
+        max_step=table.max_step,
     )
-    result.dataset.attrs["robot"] = file.table.name
+    attributes = result.dataset.attrs
+    attributes["robot"], attributes["control"] = file.table.name, choice.controller.kind
+    if verdict is not None:
+        attributes["verdict"], attributes["stable"] = str(verdict), int(verdict.stable)
     result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)
     return Flight(model, result)
 

@@ -13,6 +13,8 @@ from parflex.robot.words import frequencies, listed
 if TYPE_CHECKING:
     from parflex.files.robot_file import RobotFile
     from parflex.model.model import Model
+    from parflex.simulation.laws.choice import Choice
+    from parflex.simulation.laws.verdict import Verdict
 
 LEG_HEADS = ("leg", "chain", "joints", "inverse geometry", "base (m)", "holds attachments", "mass (kg)")
 JOINT_HEADS = ("leg", "joint values at home", "limits")
@@ -71,3 +73,15 @@ def rotation_vector(matrix: Array) -> Array:
     from scipy.spatial.transform import Rotation
 
     return np.asarray(Rotation.from_matrix(matrix).as_rotvec())
+
+
+def controls(model: "Model") -> "list[tuple[Choice, Verdict | None]]":
+    """The default control of a robot and computed torque, each with the verdict on it at home."""
+    from parflex.simulation.laws.choice import Choice, default_control, held_frame
+    from parflex.simulation.trajectory import Trajectory
+
+    position, rotation = (np.asarray(part) for part in model.robot.home_pose)
+    still = Trajectory(np.stack([position] * 2), np.stack([rotation] * 2), [1.0])
+    found = default_control(model, still)
+    others = [Choice(held_frame(model, still))] if not found.why else []
+    return [(each, each.controller.verdict()) for each in (found, *others)]

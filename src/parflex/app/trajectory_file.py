@@ -12,6 +12,7 @@ from parflex.files.tables import rotation_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws import ALL_LAWS
+from parflex.simulation.laws.choice import Choice, default_control
 from parflex.simulation.laws.controller import Controller, Start
 from parflex.simulation.trajectory import Trajectory
 
@@ -54,9 +55,14 @@ def trajectory_of(plan: Plan, start: State) -> Trajectory:
     return Trajectory(np.stack(positions), rotations, [move.duration for move in moves], (first, last))
 
 
-def planned_controller(plan: Plan, model: Model, start: Start, way: Trajectory) -> Controller:
-    """The controller that the plan asks for; raises InputError with its line where it does not fit."""
+def planned_control(plan: Plan, model: Model, start: Start, way: Trajectory) -> Choice:
+    """The controller that the plan asks for, or the one that suits the robot where it asks for none.
+
+    Raises InputError with its line where it does not fit.
+    """
     table = plan.table.controller
+    if table is None:
+        found: Choice = plan.reader.must((), default_control, model, way)
+        return found
     [law] = [law for law in plan.laws if law.kind == table.kind]
-    controller: Controller = plan.reader.must(("controller",), law.planned, table, model, start, way)
-    return controller
+    return Choice(plan.reader.must(("controller",), law.planned, table, model, start, way))

@@ -35,7 +35,7 @@ class PlanTable(Table):
         [0.5, 0.5], description="times at rest before the first move and after the last"
     )
     move: list[MoveTable] = Field(min_length=1, description="the moves in order, one [[move]] each")
-    controller: Any = Field(description="the table [controller]")  # of one of the laws
+    controller: Any = Field(None, description="the table [controller]")  # of one of the laws
     sample_time: Lasting = Field(5e-3, description="between output times")
     rtol: Tolerance = Field(1e-7, description="relative error of a step")
     atol: Tolerance = Field(1e-9, description="absolute error of a step")
@@ -47,7 +47,8 @@ def trajectory_table(laws: tuple[type[Controller], ...] = ALL_LAWS) -> type[Plan
     """The table of a whole file whose [controller] is one of some laws."""
     tables = tuple(table_of(law) for law in laws if law.kind)
     one_of: Any = Union[tables]  # noqa: UP007
-    controller = (one_of, Field(discriminator="kind", description="the table [controller]"))
+    words = "the table [controller]; by default the legs' servos, where they can hold the robot"
+    controller = (one_of | None, Field(None, discriminator="kind", description=words))
     return create_model(
         "TrajectoryTable", __base__=PlanTable, __doc__=PlanTable.__doc__, controller=controller
     )

@@ -1,7 +1,7 @@
 """Kernels: functions of named flat vectors, which every backend can run."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from inspect import signature
 from typing import Any
 
@@ -19,7 +19,7 @@ class Kernel:
     """A function of named flat vectors (…, n_i) that gives named flat vectors, with their lengths.
 
     It is determined by its name and its subject, the robot and what else was chosen; the first input is `x`,
-    a flat state of the robot. Inputs that a caller does not give are zero.
+    a flat state of the robot, behind which more may stand. Inputs that a caller does not give are zero.
     """
 
     name: str
@@ -28,6 +28,7 @@ class Kernel:
     outputs: Mapping[str, int]
     mechanism: Mechanism
     chosen: tuple[Any, ...] = ()
+    examples: Mapping[str, Array] = field(default_factory=dict)  # of inputs that cannot be any numbers
 
     @property
     def subject(self) -> tuple[Any, ...]:
@@ -44,9 +45,10 @@ class Kernel:
         place = np.arange(len(home))
         moving = (place >= at.twist.start) & (place < at.branches.start)
         x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
-        return {"x": x} | {
-            name: rng.normal(size=(count, n)) for name, n in self.inputs.items() if name != "x"
-        }
+        more = np.zeros((count, self.inputs["x"] - len(home)))
+        others = {name: rng.normal(size=(count, n)) for name, n in self.inputs.items() if name != "x"}
+        others |= {name: near + 1e-3 * others[name] for name, near in self.examples.items()}
+        return {"x": np.concatenate([x, more], axis=-1)} | others
 
 
 def kernel(

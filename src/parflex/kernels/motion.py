@@ -1,6 +1,8 @@
 """The motion that forces or a control law cause, with the powers that go with it."""
 
 from collections.abc import Callable
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,8 +16,16 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.wrench import Place, pushed
 
-Driven = tuple[Array, Acceleration]  # Γ, and the accelerations under it and the load
-ForceLaw = Callable[[assembly.System, Array, Array, Array], Driven]  # of the system, time (…,), row and load
+
+class Driven(NamedTuple):
+    """The effect of a law: Γ (…, m), the accelerations under it and the load, the rate of its memory."""
+
+    forces: Array
+    acceleration: Acceleration
+    memory_rate: Array = np.zeros(0)
+
+
+ForceLaw = Callable[[assembly.System, Array, Array, Array], tuple[Any, ...]]  # of system, time, row and load
 
 
 def derivative(mechanism: Mechanism) -> Kernel:
@@ -30,25 +40,38 @@ def derivative(mechanism: Mechanism) -> Kernel:
 
 
 def motion(
-    name: str, mechanism: Mechanism, row: int, law: ForceLaw, places: tuple[Place, ...], *chosen: Output
+    name: str,
+    mechanism: Mechanism,
+    row: int,
+    law: ForceLaw,
+    places: tuple[Place, ...],
+    *chosen: Output,
+    memory: int = 0,
+    example: Array | None = None,
 ) -> Kernel:
     """The kernel of the motion under a law: what a simulation integrates.
 
     `row` (of that length) is what the law reads at a time, load a generalised force, and pushes are the
-    wrenches (F, N) at L places of the platform.
+    wrenches (F, N) at L places of the platform. The law's memory, so many numbers, stands behind the state
+    in x; the law reads it behind its row. `example` is a row, where any numbers would make no sense.
     """
+    size = mechanism.layout.size
 
     def function(x: Array, time: Array, row: Array, load: Array, pushes: Array) -> Vectors:
+        x, remembered = x[..., :size], x[..., size:]
         system = assembly.assembled(mechanism, x)
         c = system.x
         load = load + pushed(mechanism.platform.body, places, pushes, c.rotation, c.elastic)
-        forces, found = law(system, time[..., 0], row, load)
-        answer = {"forces": forces, "contact": found.contact[..., mechanism.contact_order]}
-        return answer | motion_of(system, x, forces, load, found) | {"health": assembly.health(system)}
+        forces, found, memory_rate = Driven(*law(system, time[..., 0], join([row, remembered]), load))
+        moved = motion_of(system, x, forces, load, found)
+        moved["rate"] = join([moved["rate"], memory_rate])
+        contact = found.contact[..., mechanism.contact_order]
+        return {"forces": forces, "contact": contact} | moved | {"health": assembly.health(system)}
 
     outputs = ("forces", "rate", "powers", "contact", "health")
-    sizes = {"row": row, "pushes": 6 * len(places)}
-    return kernel(name, function, mechanism, outputs, (places, *chosen), **sizes)
+    sizes = {"row": row, "pushes": 6 * len(places), "x": size + memory, "rate": size + memory}
+    made = kernel(name, function, mechanism, outputs, (places, *chosen), **sizes)
+    return made if example is None else replace(made, examples={"row": example})
 
 
 def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, found: Acceleration) -> Vectors:

@@ -47,10 +47,7 @@ def eliminated(system: System, wrench: Array) -> Contact:
     E = transpose(solve(transpose(A_re)))
     A_s, c_s = factored(A_rr - E @ transpose(A_re)), c_r - mv(E, c_e)
     B = system.W_p - E @ system.W_e
-    legs = [leg_contacts(leg) for leg in system.legs]
-    compliance = diagonal([block_diagonal(leg.compliance) for leg in legs])
-    JAS = diagonal([block_diagonal(leg.driven) for leg in legs])[..., system.mechanism.force_order]
-    drift = join([np.zeros(0), *(merged(leg.drift) for leg in legs)])
+    compliance, JAS, drift = legs_at_tips(system)
     solved = factored_solve(A_s, np.concatenate([B, c_s[..., None]], axis=-1))
     C = transpose(B) @ solved[..., :-1] + transpose(system.W_e) @ solve(system.W_e) + compliance
     rhs = drift - merged(system.points.h) + mtv(B, solved[..., -1])
@@ -88,11 +85,21 @@ def contact_forces(mechanism: Mechanism, C: Array, columns: Array) -> Array:
 
 
 class LegContacts(NamedTuple):
-    """The part of the legs of a group in the contact system."""
+    """The part of the legs of a group, or of all of them (…, 3k), in the contact system."""
 
     compliance: Array  # J A⁻¹ Jᵀ (…, L, 3t, 3t)
     driven: Array  # J A⁻¹ S (…, L, 3t, a)
     drift: Array  # J̇q̇ − J A⁻¹ c (…, L, 3t)
+
+
+def legs_at_tips(system: System) -> LegContacts:
+    """All legs seen from their tips, group by group."""
+    legs = [leg_contacts(leg) for leg in system.legs]
+    return LegContacts(
+        diagonal([block_diagonal(leg.compliance) for leg in legs]),
+        diagonal([block_diagonal(leg.driven) for leg in legs])[..., system.mechanism.force_order],
+        join([np.zeros(0), *(merged(leg.drift) for leg in legs)]),
+    )
 
 
 def leg_contacts(leg: LegTerms) -> LegContacts:

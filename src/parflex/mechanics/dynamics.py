@@ -15,9 +15,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, mtv, mv, stack, transpose
+from parflex.base.array import Array, merged, mtv, mv, stack, transpose
 from parflex.base.unroll import each, factored_solve, solve_definite, solve_least_norm
-from parflex.mechanics.contact import Contact, contact_forces, contact_system, loaded
+from parflex.mechanics.contact import Contact, contact_forces, contact_system, legs_at_tips, loaded
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import System, assemble
@@ -104,11 +104,34 @@ def gains(system: System, output: Output) -> tuple[Array, Array]:
     F = contact_forces(system.mechanism, contact.C, contact.JAS)
     body = system.mechanism.platform.body
     flexible = output.linear(body, system.x, *acceleration_map(system, contact, F))
-    A_rr, W_p = system.platform.A_rr, system.W_p
-    C = transpose(W_p) @ solve_definite(A_rr, W_p) + contact.compliance
-    Vd = solve_definite(A_rr, W_p @ contact_forces(system.mechanism, C, contact.JAS))
+    Vd = frozen(system, contact.compliance, contact.JAS)
     still = np.zeros(Vd.shape[:-2] + (body.modes, Vd.shape[-1]))
     return flexible, output.linear(body, system.x, Vd, still)
+
+
+def frozen_inverse(system: System, target: Array) -> Array:
+    """Γ (…, m) for a wanted V̇_p (…, 6) of a platform frozen in its bend.
+
+    At rest these are the forces of the equilibrium with that bend. Of more than six actuators they are the
+    shortest; fewer give what comes nearest, angular rows in metres.
+    """
+    legs, W_p, (A_rr, _, c_r, _) = legs_at_tips(system), system.W_p, system.platform
+    fall = solve_definite(A_rr, c_r[..., None])
+    rhs = (legs.drift - merged(system.points.h))[..., None] + transpose(W_p) @ fall
+    moved = frozen(system, legs.compliance, np.concatenate([rhs, legs.driven], axis=-1))
+    gain, left = moved[..., 1:], target - moved[..., 0] + fall[..., 0]
+    if gain.shape[-1] >= gain.shape[-2]:
+        return solve_least_norm(gain, left)
+    weighted = transpose(gain) * np.repeat([1.0, system.mechanism.size**2], 3)
+    return solve_definite(weighted @ gain, mv(weighted, left)[..., None])[..., 0]
+
+
+def frozen(system: System, compliance: Array, columns: Array) -> Array:
+    """A_rr⁻¹ W_p f (…, 6, c) of a platform frozen in its bend, for C_r f = columns (…, 3k, c),
+    C_r = W_pᵀ A_rr⁻¹ W_p + J A⁻¹ Jᵀ."""
+    A_rr, W_p = system.platform.A_rr, system.W_p
+    C = transpose(W_p) @ solve_definite(A_rr, W_p) + compliance
+    return solve_definite(A_rr, W_p @ contact_forces(system.mechanism, C, columns))
 
 
 def accelerations(system: System, contact: Contact, f: Array) -> Acceleration:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -31,6 +32,11 @@ class Core:
     def robot(self) -> Robot:
         """The robot itself."""
         return self.mechanism.robot
+
+    @cached_property
+    def readable(self) -> Functions:
+        """The functions on NumPy: for what is asked once, and not worth compiling."""
+        return Functions(self.mechanism, choose("numpy"), Parameters(self.robot, ()))
 
     def at(self, theta: Array) -> "Core":
         """The core at other values θ (P,) of the parameters; it shares all compiled functions.

@@ -1,6 +1,6 @@
 """The integration of a run: a stepper advances, observers look, rows at the output times are kept."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -90,10 +90,24 @@ def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: S
             run.take(advance)
     except Stuck:
         assert stepper is not None
-        explained = (observer.explain() for observer in observers)
-        run.stop(str(stepper.refused or next(filter(None, explained), DIVERGES)))
+        explained = first(observer.explain() for observer in observers)
+        run.stop(diagnosis(observers) or str(stepper.refused or explained or DIVERGES))
     except (Exception, KeyboardInterrupt) as error:  # what others raise must not cost what was reached
         if stepper is None and isinstance(error, InputError):
             raise
-        run.fail(error)
+        cause = diagnosis(observers) if isinstance(error, InputError) else ""
+        if cause:
+            run.stop(cause)
+        else:
+            run.fail(error)
     return run
+
+
+def diagnosis(observers: Sequence[Observer]) -> str:
+    """The cause that an observer knows of a run's end; empty where none does."""
+    return first(observer.diagnosis() for observer in observers)
+
+
+def first(words: Iterable[str]) -> str:
+    """The first text that is not empty, or an empty one."""
+    return next(filter(None, words), "")

@@ -13,7 +13,6 @@ from parflex.base.progress import Progress
 from parflex.kernels.projection import projection
 from parflex.mechanics.closure import CLOSED
 from parflex.model.core import Core
-from parflex.simulation.laws.law import WORKS
 from parflex.simulation.steppers.stepper import Stepper
 
 DIVERGES = "the step size vanished: it diverges"
@@ -47,6 +46,10 @@ class Observer(ABC):
         """The reason why the stepper may be stuck; empty where none is known."""
         return ""
 
+    def diagnosis(self) -> str:
+        """The cause behind whatever ended the run; empty where none is known."""
+        return ""
+
 
 class Closure(Observer):
     """States are put back onto the closure of the legs, in the metric of the robot's mass."""
@@ -62,7 +65,7 @@ class Closure(Observer):
         self._gaps = core.mechanism.health.gap.start
 
     def begin(self, y: Array) -> None:
-        self._x[:] = y[:-WORKS]
+        self._x[:] = y[: len(self._x)]
         self._run()
         check_state(self._functions, self._x, self._health)
         self.close(y)
@@ -75,26 +78,26 @@ class Closure(Observer):
 
     def close(self, y: Array) -> None:
         """Put the state in y (size,) on the closure, by at most so many projections."""
-        self._x[:] = y[:-WORKS]
+        self._x[:] = y[: len(self._x)]
         for _ in range(PROJECTIONS):
             self._run()
             if not np.max(np.abs(self._health[self._gaps :])) > self._tolerance:
                 break
             self._x[:] = self._moved
-        y[:-WORKS] = self._x
+        y[: len(self._x)] = self._x
 
 
 class Singularities(Observer):
     """The run ends before a singularity that the law's watch sees."""
 
-    def __init__(self, watch: Watch) -> None:
-        self._watch = watch
+    def __init__(self, watch: Watch, size: int) -> None:
+        self._watch, self._size = watch, size
 
     def begin(self, y: Array) -> None:
-        self._watch.look(y[None, :-WORKS])
+        self._watch.look(y[None, : self._size])
 
     def see(self, advance: Advance) -> None:
-        states = np.vstack([advance.rows, advance.stepper.y])[:, :-WORKS]
+        states = np.vstack([advance.rows, advance.stepper.y])[:, : self._size]
         before, advance.stopped = self._watch.look(states)
         if before < len(advance.rows):
             advance.rows, advance.reached = advance.rows[:before], advance.times[before]

@@ -13,6 +13,7 @@ from parflex.base.progress import Progress
 from parflex.model.core import Core, core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
+from parflex.simulation.growth import Growth
 from parflex.simulation.integrate import Run, integrate
 from parflex.simulation.laws import controller_of
 from parflex.simulation.laws.bound import BoundLaw
@@ -89,7 +90,7 @@ def run_of(
     core: Core, law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float]
 ) -> Run:
     """The law's motion from a flat state (size,) on; raises InputError where the start is refused."""
-    y = np.concatenate([start, np.zeros(WORKS)])
+    y = np.concatenate([start, np.zeros(law.law.memory + WORKS)])
 
     def begin() -> Stepper:
         check_finite(np.concatenate(law.rate(times[0], y[:-WORKS])))
@@ -117,7 +118,9 @@ def observers_of(core: Core, law: BoundLaw, times: Array, bar: Progress) -> list
     if not core.mechanism.closed:
         found.append(Closure(core))
     if watch is not None:
-        found.append(Singularities(watch))
+        found.append(Singularities(watch, core.mechanism.layout.size))
+    if core.mechanism.platform.modes:
+        found.append(Growth(core, law))
     crawl = Crawl(times[0], times[-1], watch.explain if watch is not None else lambda: "")
     return [*found, crawl, Bar(bar, times[0])]
 

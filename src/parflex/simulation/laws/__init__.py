@@ -7,11 +7,12 @@ from parflex.simulation.laws.computed_torque import ComputedTorque
 from parflex.simulation.laws.constant_forces import ConstantForces
 from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.joint_pd import JointPD
+from parflex.simulation.laws.servo import Servo
 
 if TYPE_CHECKING:
     from parflex.model.model import Model
 
-ALL_LAWS: tuple[type[Controller], ...] = (ComputedTorque, JointPD, ConstantForces, Called)
+ALL_LAWS: tuple[type[Controller], ...] = (Servo, ComputedTorque, JointPD, ConstantForces, Called)
 
 
 def controller_of(model: "Model", given: Any) -> Controller:

@@ -56,14 +56,15 @@ class BoundLaw:
         return self.results.rate, self.results.powers
 
     def forces(self, t: float, x: Array) -> Array:
-        """Γ (m,) at a time and flat state."""
+        """Γ (m,) at a time and flat state, with nothing in the law's memory."""
         self.rate(t, x)
         return self.results.forces.copy()
 
     @property
     def differentiable(self) -> bool:
-        """True where its derivative is compiled: nobody is called, and the state carries no joints."""
-        return self.law.differentiable and self.alone and self.mechanism.layout.carried == 0
+        """True where its derivative is compiled: nobody is called, the state is platform and modes alone."""
+        own = self.mechanism.layout.carried + self.law.memory
+        return self.law.differentiable and self.alone and own == 0
 
     def jacobian(self, t: float, x: Array) -> Array:
         """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
@@ -94,7 +95,7 @@ class BoundLaw:
         """Fill the kernel's inputs."""
         own = self.inputs
         own.row[:] = self.row(t, x)
-        own.x[:], own.time[0], own.load[:] = x, t, self.loads(t, x)
+        own.x[: len(x)], own.time[0], own.load[:] = x, t, self.loads(t, x)
 
 
 def differences(function: Callable[[Array], Array], x: Array) -> Array:

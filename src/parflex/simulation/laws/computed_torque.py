@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from parflex.analysis.watch import Watch
+from parflex.analysis.zero_dynamics import output_report
 from parflex.base import kinds
 from parflex.base.array import Array, block, join, mtv, mv, skew, transpose
 from parflex.base.check import finite, of_type
@@ -27,8 +28,10 @@ from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.layout import Coordinates
+from parflex.robot.state import State
 from parflex.simulation.laws.controller import INDEX, Controller, Start, TableEntry, stacked_row
 from parflex.simulation.laws.law import Law
+from parflex.simulation.laws.verdict import Verdict, frame_verdict
 from parflex.simulation.trajectory import Trajectory
 
 GAINS = 12  # kp 6, kd 6
@@ -44,7 +47,7 @@ def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) ->
         target, preload = tracking_target(system.x, t, row, output), row[..., SEGMENT + GAINS :]
         none = np.zeros(6 + mechanism.platform.modes)
         found = dynamics.inverse_of(system, target, none, output, preload, unforeseen=load)
-        return found.forces, found.acceleration
+        return Driven(found.forces, found.acceleration)
 
     return motion("tracking", mechanism, SEGMENT + GAINS + mechanism.n_forces, law, places, output)
 
@@ -140,6 +143,15 @@ class ComputedTorque(Controller):
                 f"ComputedTorque follows {self.output.size} freedoms, but the robot has {m} actuators; "
                 f"name as many with output=FrameOutput(rows=…), or use JointPD or a function of your own"
             )
+
+    def verdict(self, state: State | None = None) -> Verdict:
+        """The verdict on the modes while the frame is held in the pose of a state, by default home.
+
+        Raises as `Model.output_report`.
+        """
+        core = core_of(self.model)
+        report = output_report(core.readable, core.robot.home if state is None else state, self.output)
+        return frame_verdict("computed torque", report.poles)
 
     def law(self, model: Model) -> Law:
         way, m = self.trajectory, model.robot.n_forces

@@ -25,7 +25,7 @@ def given_forces(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
     """The motion under forces that stand in the row (m)."""
 
     def law(system: System, t: Array, row: Array, load: Array) -> Driven:
-        return row, dynamics.direct_of(system, row, load)
+        return Driven(row, dynamics.direct_of(system, row, load))
 
     return motion("given_forces", mechanism, mechanism.n_forces, law, places)
 

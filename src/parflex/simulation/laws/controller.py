@@ -19,6 +19,7 @@ from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.law import Law
+from parflex.simulation.laws.verdict import Verdict
 from parflex.simulation.loads import Loads
 from parflex.simulation.trajectory import Trajectory
 
@@ -56,6 +57,17 @@ class Controller(ABC):
     def __call__(self, t: float, state: State) -> Array:
         """Forces (m,) at a time and state."""
         return self._bound(self.model).forces(t, core_of(self.model).flat(state))
+
+    def verdict(self, state: State | None = None) -> Verdict | None:
+        """The verdict on the law's stability about the equilibrium in the pose of a state, by default home.
+
+        None of a law that says nothing of it. Raises as `Model.equilibrium`.
+        """
+        return None
+
+    def wanted_joints(self, t: Array) -> Array | None:
+        """The actuated joints (T, m) that are wanted at times (T,); None where there are none."""
+        return None
 
     @abstractmethod
     def law(self, model: Model) -> Law:

@@ -1,10 +1,12 @@
 """Springs and dampers on the actuated joints."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from parflex.analysis.small_motions import about
 from parflex.base import kinds
 from parflex.base.array import Array
 from parflex.base.check import finite, of_type
@@ -25,6 +27,7 @@ from parflex.robot.fields import held
 from parflex.robot.state import State
 from parflex.simulation.laws.controller import Controller, Start, TableEntry, stacked_row
 from parflex.simulation.laws.law import Law
+from parflex.simulation.laws.verdict import Verdict, servo_verdict
 from parflex.simulation.trajectory import Trajectory
 
 
@@ -33,7 +36,7 @@ def springs(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 
     def law(system: assembly.System, t: Array, row: Array, load: Array) -> Driven:
         u = spring_forces(system, row)
-        return u, dynamics.direct_of(system, u, load)
+        return Driven(u, dynamics.direct_of(system, u, load))
 
     return motion("springs", mechanism, 4 * mechanism.n_forces, law, places)
 
@@ -52,13 +55,16 @@ def springs_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 
 def spring_forces(system: assembly.System, row: Array) -> Array:
     """Γ (…, m) of springs and dampers; angles are known up to full turns."""
+    preload, kp, kd, wanted = quarters(row)
+    return preload + kp * joints_ahead(system, wanted) - kd * assembly.joint_rates(system)
+
+
+def joints_ahead(system: assembly.System, wanted: Array) -> Array:
+    """The ways (…, m) from the actuated joints to where they are wanted; angles within half a turn."""
     m = system.mechanism
     slides = m.slides[m.driven][m.force_order]
-    preload, kp, kd, wanted = quarters(row)
     ahead = wanted - assembly.actuated_positions(system)
-    turned = np.arctan2(np.sin(ahead), np.cos(ahead))
-    ahead = slides * ahead + (1 - slides) * turned
-    return preload + kp * ahead - kd * assembly.joint_rates(system)
+    return slides * ahead + (1 - slides) * np.arctan2(np.sin(ahead), np.cos(ahead))
 
 
 def quarters(row: Array) -> list[Array]:
@@ -102,11 +108,24 @@ class JointPD(Controller):
                 raise InputError(f"JointPD.{name} has shape {value.shape}; give one value, or ({m},)")
             object.__setattr__(self, name, value)
 
+    def verdict(self, state: State | None = None) -> Verdict:
+        """The verdict on the springs about the equilibrium in the pose of a state, by default theirs."""
+        motions = about(core_of(self.model).readable, self.reference if state is None else state)
+        m = self.model.robot.n_forces
+        return servo_verdict("joint PD", motions, self.kp + np.zeros(m), self.kd + np.zeros(m), np.zeros(m))
+
+    def wanted_joints(self, t: Array) -> Array:
+        return np.tile(self._wanted, (len(t), 1))
+
     def law(self, model: Model) -> Law:
-        core = core_of(model)
-        wanted = core.functions(models.actuators)(x=core.flat(self.reference))["positions"]
-        row = stacked_row(len(wanted), self.forces, self.kp, self.kd, wanted)
+        row = stacked_row(model.robot.n_forces, self.forces, self.kp, self.kd, self._wanted)
         return Law(springs, springs_jacobian, row)
+
+    @cached_property
+    def _wanted(self) -> Array:
+        """The actuated joints (m,) in the reference."""
+        core = core_of(self.model)
+        return core.readable(models.actuators)(x=core.flat(self.reference))["positions"]
 
     @classmethod
     def planned(cls, table: Any, model: Model, start: Start, way: Trajectory) -> "JointPD":

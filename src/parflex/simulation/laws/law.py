@@ -17,7 +17,7 @@ WORKS = 3  # of actuators, external wrenches and damping: integrated beside the 
 class Inputs(NamedTuple):
     """The vectors that the kernel of a motion reads."""
 
-    x: Array  # (size,)
+    x: Array  # (size,), and behind it the law's memory
     time: Array  # (1,) s
     row: Array  # of the law
     load: Array  # (6 + N,) a generalised force, beside the constant wrenches
@@ -28,7 +28,7 @@ class Outputs(NamedTuple):
     """The vectors that the kernel of a motion gives."""
 
     forces: Array  # Γ (m,)
-    rate: Array  # ẋ (size,)
+    rate: Array  # ẋ (size,), and that of the memory
     powers: Array  # (3,) W of actuators, wrenches and damping
     contact: Array  # contact forces by tip (3k,)
     health: Array
@@ -59,4 +59,5 @@ class Law:
     starts: Array = field(default_factory=lambda: np.zeros(0))  # (r − 1,) s
     outputs: tuple[Output, ...] = ()
     differentiable: bool = True  # whether the derivative holds for this robot and these outputs
+    memory: int = 0  # numbers that it integrates for itself, zero at the start
     watch: Watch | None = None  # what looks out for singularities during one simulation

@@ -1,0 +1,74 @@
+"""The observer of bending: a run whose modes take over diverges, whatever its first symptom."""
+
+import numpy as np
+
+from parflex.analysis.health import check_finite
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.model.core import Core
+from parflex.simulation.laws.bound import BoundLaw
+from parflex.simulation.laws.law import WORKS
+from parflex.simulation.laws.verdict import duration
+from parflex.simulation.observers import Advance, Observer
+
+FAR = 0.5  # of the platform's size: a deformation at an attachment that no linear body has
+NOTED = 0.01  # of it: a deformation that can put a leg out of its reach
+TAKEN_OVER = 10.0  # elastic energy over the largest of all else that was seen before
+PART = 1e6  # the part of the last energy from which its growth is told
+
+
+class Growth(Observer):
+    """The run ends where the platform bends beyond all measure; whatever ends such a run, its cause is told."""
+
+    def __init__(self, core: Core, law: BoundLaw) -> None:
+        self._mechanism, self._law = core.mechanism, law
+        self._t: list[float] = []
+        self._elastic: list[float] = []  # J
+        self._other = 0.0  # J, the largest kinetic energy of the platform as a whole
+        self._y = np.zeros(0)
+
+    def begin(self, y: Array) -> None:
+        self._look(0.0, y)
+
+    def see(self, advance: Advance) -> None:
+        self._look(advance.stepper.t, advance.stepper.y)
+        if self._deformation() > FAR or advance.stopped:
+            advance.stopped = self.diagnosis() or advance.stopped
+
+    def diagnosis(self) -> str:
+        if self._deformation() < NOTED or self._elastic[-1] < TAKEN_OVER * (self._other + self._elastic[0]):
+            return ""
+        last = self._elastic[-1]
+        before = max(i for i, energy in enumerate(self._elastic) if i == 0 or energy < last / PART)
+        span = duration(self._t[-1] - self._t[before])
+        return (
+            f"the motion diverges: within {span} the platform's elastic energy has grown from "
+            f"{self._elastic[before]:.2g} to {last:.2g} J{self._forces()}; "
+            f"the control makes its modes unstable (controller.verdict tells), or the loads do"
+        )
+
+    def _look(self, t: float, y: Array) -> None:
+        """Note the energies in y (size,) at a time."""
+        at, body = self._mechanism.layout.at, self._mechanism.platform.body
+        self._y, twist = y.copy(), y[at.twist]
+        q, qd = y[at.elastic], y[at.elastic_rate]
+        inertia = np.trace(body.moments.P0) * np.eye(3) - body.moments.P0
+        self._other = max(
+            self._other, 0.5 * (body.moments.m * twist[:3] @ twist[:3] + twist[3:] @ inertia @ twist[3:])
+        )
+        self._t.append(t)
+        self._elastic.append(0.5 * float(q @ (self._mechanism.platform.stiffness * q) + qd @ body.m_ee @ qd))
+
+    def _deformation(self) -> float:
+        """The largest deformation at an attachment, of the platform's size."""
+        moved = self._mechanism.platform.body.attachment_shapes @ self._y[self._mechanism.layout.at.elastic]
+        return float(np.max(np.linalg.norm(moved, axis=-1), initial=0.0)) / self._mechanism.size
+
+    def _forces(self) -> str:
+        """The largest force in words, where the law still gives one."""
+        try:
+            forces = self._law.forces(self._t[-1], self._y[:-WORKS])
+            check_finite(forces)
+        except InputError:
+            return ""
+        return f", and the largest actuator force to {np.max(np.abs(forces), initial=0.0):.2g} N or N m"

@@ -1,0 +1,50 @@
+"""The control of a robot for which nobody names one: the legs' servos, where they can hold it."""
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import qr
+
+from parflex.analysis.small_motions import about
+from parflex.mechanics.output import FrameOutput
+from parflex.model.core import core_of
+from parflex.model.model import Model
+from parflex.simulation.laws.computed_torque import ComputedTorque
+from parflex.simulation.laws.controller import Controller
+from parflex.simulation.laws.servo import Servo
+from parflex.simulation.laws.verdict import buckling, decisive, grows
+from parflex.simulation.trajectory import Trajectory
+
+KP, KD = 400.0, 40.0  # 1/s² and 1/s, of computed torque: critically damped, e-fold in 50 ms
+
+
+class Choice(NamedTuple):
+    """A controller, and why it is not the legs' servos; empty where it is."""
+
+    controller: Controller
+    why: str = ""
+
+
+def default_control(model: Model, way: Trajectory) -> Choice:
+    """The legs' servos along a trajectory, or computed torque where they cannot hold the robot at home."""
+    core = core_of(model)
+    motions = about(core.readable, core.robot.home)
+    if core.mechanism.layout.carried:
+        why = "the legs' servos need legs with closed-form inverse geometry"
+        return Choice(held_frame(model, way), why)
+    locked = decisive(motions.locked_poles())
+    if grows(locked):
+        return Choice(held_frame(model, way), buckling(locked))
+    return Choice(Servo(model, way))
+
+
+def held_frame(model: Model, way: Trajectory) -> ComputedTorque:
+    """Computed torque of as many rows of V̇_p as the platform has freedoms, those that are most its own."""
+    core = core_of(model)
+    motions = about(core.readable, core.robot.home)
+    platform = motions.T[:6] * np.repeat([1.0, motions.functions.mechanism.size], 3)[:, None]
+    _, triangle, order = qr(platform.T, pivoting=True, mode="economic")
+    strengths = np.abs(np.diag(triangle))
+    freedoms = min(int(np.sum(strengths > 1e-6 * strengths[0])), model.robot.n_forces)
+    rows = tuple(sorted(int(row) for row in order[:freedoms]))
+    return ComputedTorque(model, way, KP, KD, FrameOutput(rows))

@@ -1,0 +1,58 @@
+"""A trajectory as the legs' servos read it: the platform's bend along it, and whether the legs reach."""
+
+from itertools import pairwise
+
+import numpy as np
+
+from parflex.analysis.equilibrium import at_rest
+from parflex.analysis.health import check_legs
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.mechanics.system import System, health
+from parflex.model.core import Core
+from parflex.robot.state import State
+from parflex.simulation.laws.servo_motion import reference
+from parflex.simulation.trajectory import Trajectory
+
+INSTANTS = 50  # in each segment, at which the legs' reach is looked at
+
+
+def sagging(core: Core, way: Trajectory) -> Array:
+    """The numbers behind the segments in a servo's rows (n, 2 + 2 N): start, span, bend and its change.
+
+    The bends are those of the equilibria in the poses where segments meet.
+    """
+    times = way.starts[1:]
+    found = np.stack([bend_at(core, pose.position, pose.rotation) for pose in map(way.sample, times)])
+    bend = np.concatenate([found[:1], found])
+    change = np.concatenate([0 * found[:1], np.diff(found, axis=0), 0 * found[:1]])
+    start = np.append(times[0], times)
+    span = np.concatenate([[1.0], np.diff(times), [1.0]])
+    return np.hstack([start[:, None], span[:, None], bend, change])
+
+
+def bend_at(core: Core, position: Array, rotation: Array) -> Array:
+    """q_e (N,) of the equilibrium in a pose."""
+    x, _ = at_rest(core.readable, "trajectory", State(position, rotation))
+    return x[core.mechanism.layout.at.elastic]
+
+
+def wanted_system(core: Core, way: Trajectory, rows: Array, t: Array) -> System:
+    """The robot where a servo with these rows wants it at times t (T,)."""
+    layout = core.mechanism.layout
+    home = core.flat(core.robot.home)[layout.at.branches]
+    row = rows[way.starts.searchsorted(t, side="right") - 1]
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return reference(core.mechanism, t, row, np.broadcast_to(home, (len(t), len(home))))[0]
+
+
+def check_reach(core: Core, way: Trajectory, rows: Array) -> None:
+    """Raise OutOfReach or SingularPose, with the time, where a leg cannot follow a trajectory."""
+    stretches = pairwise(np.append(way.starts[1:], way.duration))
+    t = np.unique(np.concatenate([np.linspace(*ends, INSTANTS) for ends in stretches]))
+    found = health(wanted_system(core, way, rows, t))
+    for number, time in enumerate(t):
+        try:
+            check_legs(core.mechanism, found[number])
+        except InputError as error:
+            raise type(error)(f"trajectory at t = {time:.4g} s: {error}") from None
