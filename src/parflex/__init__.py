@@ -53,6 +53,9 @@ if TYPE_CHECKING:
     from parflex.simulation.laws.computed_torque import ComputedTorque as ComputedTorque
     from parflex.simulation.laws.controller import Controller as Controller
     from parflex.simulation.laws.joint_pd import JointPD as JointPD
+    from parflex.simulation.moves.circle import Circle as Circle
+    from parflex.simulation.moves.hold import Hold as Hold
+    from parflex.simulation.moves.move_to import MoveTo as MoveTo
     from parflex.simulation.result import (
         Result as Result,
         RunStopped as RunStopped,
@@ -86,6 +89,9 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.laws.computed_torque": "ComputedTorque",
     "simulation.laws.controller": "Controller",
     "simulation.laws.joint_pd": "JointPD",
+    "simulation.moves.circle": "Circle",
+    "simulation.moves.hold": "Hold",
+    "simulation.moves.move_to": "MoveTo",
     "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
     "simulation.trajectory": "Trajectory",

@@ -44,9 +44,8 @@ class Kernel:
         place = np.arange(len(home))
         moving = (place >= at.twist.start) & (place < at.branches.start)
         x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
-        return {"x": x} | {
-            name: rng.normal(size=(count, n)) for name, n in self.inputs.items() if name != "x"
-        }
+        others = {name: n for name, n in self.inputs.items() if name != "x"}
+        return {"x": x} | {name: rng.uniform(-1, 1, (count, n)) for name, n in others.items()}
 
 
 def kernel(
