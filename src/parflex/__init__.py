@@ -54,6 +54,9 @@ if TYPE_CHECKING:
     from parflex.simulation.laws.controller import Controller as Controller
     from parflex.simulation.laws.joint_pd import JointPD as JointPD
     from parflex.simulation.laws.servo import Servo as Servo
+    from parflex.simulation.moves.circle import Circle as Circle
+    from parflex.simulation.moves.hold import Hold as Hold
+    from parflex.simulation.moves.move_to import MoveTo as MoveTo
     from parflex.simulation.result import (
         Result as Result,
         RunStopped as RunStopped,
@@ -88,6 +91,9 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.laws.controller": "Controller",
     "simulation.laws.joint_pd": "JointPD",
     "simulation.laws.servo": "Servo",
+    "simulation.moves.circle": "Circle",
+    "simulation.moves.hold": "Hold",
+    "simulation.moves.move_to": "MoveTo",
     "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
     "simulation.trajectory": "Trajectory",

@@ -38,6 +38,11 @@ kd = 1e3
 """
 
 
+def round_about(entries: str) -> str:
+    """The plan with a circle for its second move."""
+    return GOOD.replace("duration = 1\n", f"circle = {{ {entries} }}\n")
+
+
 @pytest.fixture
 def plan(tmp_path):
     """Reads a plan from its text."""
@@ -63,6 +68,25 @@ def test_poses_are_displacements_from_the_start(plan, model_of):
     assert isinstance(controller, pf.ComputedTorque)
     assert controller.kp == 100
     assert list(controller.kd) == [20, 20, 20, 10, 10, 10]
+
+
+def test_moves_of_other_kinds(plan, model_of):
+    """A hold and a circle, as `Trajectory.of` makes them; springs hold what stays."""
+    circle = round_about(
+        'radius = "10 mm", frequency = "5 Hz", turns = 2, normal = [1, 0, 0], ramp = "0.3 s"'
+    )
+    read = plan(circle.replace("[[move]]", '[[move]]\nhold = "100 ms"\n[[move]]', 1))
+    home = model_of(0).robot.home
+    there = pf.MoveTo(
+        home.position + (0.1, 0, 0), Rotation.from_euler("y", 10, degrees=True).as_matrix(), duration=0.5
+    )
+    moves = [pf.Hold(0.1), there, pf.Circle(0.01, 5, 2, normal=(1, 0, 0), ramp=0.3)]
+    expected = pf.Trajectory.of(home, moves, rest=(0.1, 0.2))
+    assert relative(trajectory_of(read, home).segments, expected.segments) < 1e-14
+    holding = plan(SPRINGS.replace("duration = 1", 'hold = "1 s"'))
+    start = start_of(holding, model_of(0))
+    way = trajectory_of(holding, start.state)
+    assert isinstance(planned_controller(holding, model_of(0), start, way), pf.JointPD)
 
 
 def test_starts(plan, model_of):
@@ -93,7 +117,34 @@ CASES = {
     "three pose gains": (GOOD.replace("kp = 100", "kp = [1, 2, 3]"), 15, "controller.kp is [1. 2. 3.]; give"),
     "a length for a time": (GOOD.replace("500 ms", "500 mm"), 8, "which is not a time"),
     "no time at all": (GOOD.replace('"500 ms"', "0"), 8, "move[0].duration is 0; it must be positive"),
-    "no duration": (GOOD.replace("duration = 1\n", ""), 10, "move[1].duration is missing; give the time"),
+    "no duration": (GOOD.replace("duration = 1\n", ""), 10, "move[1] has no duration; give the time"),
+    "two moves in one": (
+        GOOD.replace("duration = 1\n", "hold = 1\nduration = 1\n"),
+        10,
+        "move[1] gives duration and",
+    ),
+    "no radius": (round_about("radius = 0, frequency = 5"), 11, "move[1].circle.radius is 0; it must be"),
+    "no frequency": (round_about("radius = 0.1"), 11, "circle.frequency is missing; give turns per second"),
+    "radians for turns": (
+        round_about('radius = 0.1, frequency = "5 rad/s"'),
+        11,
+        'which is not a frequency; expected a frequency in Hz, such as 5 or "5 Hz"',
+    ),
+    "no normal": (
+        round_about("radius = 0.1, frequency = 5, normal = [0, 0, 0]"),
+        11,
+        "move[1].circle.normal is zero; give a direction",
+    ),
+    "a ramp too long": (
+        round_about('radius = 0.1, frequency = 5, ramp = "300 ms"'),
+        11,
+        "move[1].circle.ramp is 0.3 s, longer than turns / frequency, 0.2 s; give a shorter",
+    ),
+    "a circle for springs": (
+        SPRINGS.replace("duration = 1", "circle = { radius = 0.1, frequency = 1 }"),
+        6,
+        "which holds the start, but a move leaves it",
+    ),
     "no moves": (
         GOOD[: GOOD.index("[[move]]")] + GOOD[GOOD.index("[controller]") :],
         1,

@@ -78,10 +78,10 @@ def rotation_vector(matrix: Array) -> Array:
 def controls(model: "Model") -> "list[tuple[Choice, Verdict | None]]":
     """The default control of a robot and computed torque, each with the verdict on it at home."""
     from parflex.simulation.laws.choice import Choice, default_control, held_frame
+    from parflex.simulation.moves import Hold
     from parflex.simulation.trajectory import Trajectory
 
-    position, rotation = (np.asarray(part) for part in model.robot.home_pose)
-    still = Trajectory(np.stack([position] * 2), np.stack([rotation] * 2), [1.0])
+    still = Trajectory.of(model.robot.home, [Hold(1.0)])
     found = default_control(model, still)
     others = [Choice(held_frame(model, still))] if not found.why else []
     return [(each, each.controller.verdict()) for each in (found, *others)]

@@ -1,20 +1,23 @@
 """Trajectory files as objects of the library."""
 
 import os
-from typing import NamedTuple
+from typing import Any, NamedTuple, cast
 
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from parflex.app.trajectory_schema import PlanTable, trajectory_table
+from parflex.app.trajectory_schema import MoveTable, PlanTable, trajectory_table
 from parflex.files.reading import Reader
-from parflex.files.tables import rotation_of
+from parflex.files.tables import Table, rotation_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws import ALL_LAWS
 from parflex.simulation.laws.choice import Choice, default_control
 from parflex.simulation.laws.controller import Controller, Start
+from parflex.simulation.moves import ALL_MOVES, Move, MoveTo, Pose
 from parflex.simulation.trajectory import Trajectory
+
+ORIGIN = Pose(np.zeros(3), np.eye(3))  # what is wrong with a move does not depend on where it begins
 
 
 class Plan(NamedTuple):
@@ -23,19 +26,24 @@ class Plan(NamedTuple):
     reader: Reader
     table: PlanTable
     laws: tuple[type[Controller], ...]  # from which the file chooses its controller
+    moves: tuple[type[Move], ...]  # the kinds of moves that it may name
 
 
-def read_plan(path: str | os.PathLike[str], laws: tuple[type[Controller], ...] = ALL_LAWS) -> Plan:
-    """The plan in a trajectory file, which names one of the laws.
+def read_plan(
+    path: str | os.PathLike[str],
+    laws: tuple[type[Controller], ...] = ALL_LAWS,
+    moves: tuple[type[Move], ...] = ALL_MOVES,
+) -> Plan:
+    """The plan in a trajectory file, which names one of the laws and kinds of moves.
 
     Raises InputError with up to five complaints, each with its line.
     """
     reader = Reader(path)
-    table = reader.table(trajectory_table(laws))
-    for number, move in enumerate(table.move):
-        reader.attempt(("move", number), rotation_of, move.rotation)
+    plan = Plan(reader, reader.table(trajectory_table(laws, moves)), laws, moves)
+    for number, move in enumerate(plan.table.move):
+        reader.attempt(("move", number, *move.words), move_of, plan, move, ORIGIN)
     reader.stop()
-    return Plan(reader, table, laws)
+    return plan
 
 
 def start_of(plan: Plan, model: Model) -> Start:
@@ -46,13 +54,21 @@ def start_of(plan: Plan, model: Model) -> Start:
 
 
 def trajectory_of(plan: Plan, start: State) -> Trajectory:
-    """The trajectory through the poses of the plan, each given from the start, in world axes."""
-    moves, turn = plan.table.move, Rotation.from_matrix(np.asarray(start.rotation))
-    positions = [start.position, *(start.position + np.array(move.position) for move in moves)]
-    turns = [turn, *(Rotation.from_matrix(rotation_of(move.rotation)) * turn for move in moves)]
-    rotations = np.stack([each.as_matrix() for each in turns])
+    """The trajectory of the plan, whose poses are given from the start, in world axes."""
     first, last = plan.table.rest
-    return Trajectory(np.stack(positions), rotations, [move.duration for move in moves], (first, last))
+    pose = Pose(start.position, start.rotation)
+    return Trajectory.of(start, [move_of(plan, move, pose) for move in plan.table.move], (first, last))
+
+
+def move_of(plan: Plan, move: MoveTable, start: Pose) -> Move:
+    """The move of a table, whose pose is given from the start."""
+    for word in move.words:
+        [kind] = [kind for kind in plan.moves if kind.word == word]
+        value, made = getattr(move, word), cast(Any, kind)
+        return cast(Move, made(**dict(value)) if isinstance(value, Table) else made(value))
+    turned = Rotation.from_matrix(rotation_of(move.rotation)) * Rotation.from_matrix(start.rotation)
+    place = start.position + np.array(move.position)
+    return MoveTo(place, turned.as_matrix(), duration=cast(float, move.duration))
 
 
 def planned_control(plan: Plan, model: Model, start: Start, way: Trajectory) -> Choice:

@@ -57,6 +57,7 @@ PRESSURE = Kind("a modulus", "Pa", '70e9 or "70 GPa"')
 DENSITY = Kind("a density", "kg/m^3", '2700 or "2.7 g/cm^3"')
 ACCELERATION = Kind("an acceleration", "m/s^2", '-9.81 or "-9.81 m/s^2"')
 TIME = Kind("a time", "s", '0.5 or "500 ms"')
+FREQUENCY = Kind("a frequency", "Hz", '5 or "5 Hz"')
 RATE_GAIN = Kind("a gain", "1/s", "40")
 POSE_GAIN = Kind("a gain", "1/s^2", "400")
 

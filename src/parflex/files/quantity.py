@@ -6,12 +6,13 @@ from functools import cache
 from typing import Any
 
 from parflex.base.errors import InputError
-from parflex.base.kinds import ANGLE, Kind
+from parflex.base.kinds import ANGLE, FREQUENCY, Kind
 
 WITH_UNIT = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1\s*/|[^\d\s]).*?)\s*")
 
 # pint takes all of these, and percent, for plain numbers; an angle must be named
 ANGLES = {"radian", "milliradian", "degree", "arcminute", "arcsecond", "turn"}
+CYCLES = {"hertz", "millihertz", "kilohertz"}  # and these for 1/s
 
 
 def convert(value: Any, kind: Kind) -> float:
@@ -52,10 +53,11 @@ def factor(text: str, unit: str, kind: Kind) -> float:
     except Exception:  # the parser raises many kinds
         raise InputError(f'is "{text}", but "{unit}" is no unit; expected {kind.expected}') from None
     names = {name for name, _ in given.unit_items()}
-    if "hertz" in names:
+    if names & CYCLES and kind is not FREQUENCY:
         raise InputError(f'is "{text}", which leaves open what is counted; write rad/s or turn/s')
     same = given.dimensionality == units.parse_units(kind.unit).dimensionality
-    if not same or (kind is ANGLE and not names <= ANGLES):
+    named = {ANGLE: ANGLES, FREQUENCY: CYCLES}.get(kind, names)
+    if not same or not names <= named:
         raise InputError(f'is "{text}", which is not {kind.words}; expected {kind.expected}')
     return float(given.to(kind.unit).magnitude)
 

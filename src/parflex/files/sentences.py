@@ -109,5 +109,8 @@ def follow(node: Schema, step: str | int, root: Schema) -> Schema:
 
 
 def resolved(node: Schema, root: Schema) -> Schema:
-    """The definition a node refers to, or the node."""
+    """The definition a node refers to, or the node; what may be absent is told by what it is otherwise."""
+    present = [each for each in node.get("anyOf", []) if each.get("type") != "null"]
+    if len(present) == 1:
+        return resolved(present[0], root)
     return dict(root["$defs"][node["$ref"].rsplit("/", 1)[1]]) if "$ref" in node else node

@@ -46,7 +46,7 @@ class Kernel:
         moving = (place >= at.twist.start) & (place < at.branches.start)
         x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
         more = np.zeros((count, self.inputs["x"] - len(home)))
-        others = {name: rng.normal(size=(count, n)) for name, n in self.inputs.items() if name != "x"}
+        others = {name: rng.uniform(-1, 1, (count, n)) for name, n in self.inputs.items() if name != "x"}
         others |= {name: near + 1e-3 * others[name] for name, near in self.examples.items()}
         return {"x": np.concatenate([x, more], axis=-1)} | others
 

@@ -78,6 +78,16 @@ def batched(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
     return partial(finite, shape=shape)
 
 
+def optional(form: Callable[[str, Any], Any]) -> Callable[[str, Any], Any]:
+    """A check for what may be absent."""
+    return partial(unless_absent, form=form)
+
+
+def unless_absent(name: str, value: Any, form: Callable[[str, Any], Any]) -> Any:
+    """The value as a check makes it; None for none."""
+    return None if value is None else form(name, value)
+
+
 def endless(name: str, value: Any) -> float:
     """One number, which may be infinite."""
     infinite = isinstance(value, (float, np.floating)) and np.isinf(value)
@@ -100,6 +110,6 @@ def check_fields(thing: Any) -> None:
     for name, column in described(kind).items():
         title = f"{kind.__name__}.{name}"
         kept = column.form(title, given[name])
-        if column.rule is not None:
+        if column.rule is not None and kept is not None:
             obeying(title, np.asarray(kept), column.rule)
         object.__setattr__(thing, name, kept)

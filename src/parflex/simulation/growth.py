@@ -18,7 +18,7 @@ PART = 1e6  # the part of the last energy from which its growth is told
 
 
 class Growth(Observer):
-    """The run ends where the platform bends beyond all measure; whatever ends such a run, its cause is told."""
+    """The run ends where the platform bends beyond all measure; the cause of such an end is told."""
 
     def __init__(self, core: Core, law: BoundLaw) -> None:
         self._mechanism, self._law = core.mechanism, law

@@ -1,4 +1,4 @@
-"""Trajectories through several poses: fifth-order polynomials, at rest in each pose."""
+"""Trajectories: moves one after the other, at rest between them."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,13 +9,16 @@ from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
 
 from parflex.base.array import Array
-from parflex.base.check import exactly, finite, rotation_matrix, scalar
+from parflex.base.check import all_of_type, exactly, finite, rotation_matrix, scalar
 from parflex.base.errors import InputError
 from parflex.base.held import Given
-from parflex.kernels.segment import Sample, along
+from parflex.kernels.segment import Sample, Segment, along
 from parflex.robot.fields import check_fields, exact, held
 from parflex.robot.state import State
-from parflex.robot.words import listed
+from parflex.robot.words import counted, listed
+from parflex.simulation.moves import Move, MoveTo, Pose
+
+SAME = 1e-9  # m, and of a rotation matrix: poses that are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,17 +26,19 @@ class Trajectory:
     """Motion through the poses (n, 3) m, (n, 3, 3), one after the other.
 
     durations (n − 1,) s are the times from pose to pose; rest is the time (s) spent in the first
-    pose and in the last. Between two poses the position goes along a straight line and the
-    orientation along the geodesic of SO(3), both as 10 τ³ − 15 τ⁴ + 6 τ⁵: velocity and
-    acceleration vanish at every pose, and are continuous throughout.
+    pose and in the last. `moves` lead from each pose to the next, by default straight (`MoveTo`); whoever
+    has moves alone takes `Trajectory.of`. Each begins and ends at rest: velocity and acceleration vanish
+    at every pose, and are continuous throughout.
 
-    Raises InputError for fewer than two poses, wrong shapes or durations that are not positive.
+    Raises InputError for fewer than two poses, wrong shapes, durations that are not positive, or moves that
+    do not lead through the poses in these times.
     """
 
     positions: Given = held(exact((None, 3)))
     rotations: Given = held(rotation_matrix)
     durations: Given = held()
     rest: tuple[float, float] = (0.5, 0.5)
+    moves: tuple[Move, ...] = ()
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -51,6 +56,28 @@ class Trajectory:
             )
         object.__setattr__(self, "durations", durations)
         object.__setattr__(self, "rest", (float(rest[0]), float(rest[1])))
+        object.__setattr__(self, "moves", self._led())
+
+    @staticmethod
+    def of(start: State, moves: Sequence[Move], rest: tuple[float, float] = (0.0, 0.0)) -> "Trajectory":
+        """From the pose of a state through moves, each from the pose where the one before ended.
+
+        Raises InputError for a batch of states, and for no moves.
+
+        >>> from parflex.simulation.moves import Circle, Hold, MoveTo
+        >>> start = State(position=(0, 0, 1), rotation=np.eye(3))
+        >>> up = MoveTo(position=(0, 0, 1.01), duration=0.05)
+        >>> way = Trajectory.of(start, [Hold(1.0), up, Circle(radius=0.01, frequency=5, turns=5, ramp=0.4)])
+        >>> way.duration
+        2.45
+        """
+        moves = all_of_type("moves", moves, Move)
+        if start.batch or not moves:
+            raise InputError(
+                f"Trajectory.of has {len(moves)} moves and a start of batch {start.batch}; give one "
+                f"state and at least one move"
+            )
+        return Trajectory(*between(Pose(start.position, start.rotation), moves), rest, moves)
 
     @staticmethod
     def through(
@@ -80,7 +107,7 @@ class Trajectory:
 
     def __repr__(self) -> str:
         ends = f"from {listed(self.positions[0])} to {listed(self.positions[-1])} m"
-        return f"Trajectory: {len(self.positions)} poses in {self.duration:.4g} s, {ends}"
+        return f"Trajectory: {counted(len(self.moves), 'move')} in {self.duration:.4g} s, {ends}"
 
     @property
     def duration(self) -> float:
@@ -98,28 +125,57 @@ class Trajectory:
 
     @cached_property
     def starts(self) -> Array:
-        """(n + 1,) s, when each segment begins: rest, the ways between the poses, rest."""
-        times = self.rest[0] + np.concatenate([[0.0], np.cumsum(self.durations)])
-        return np.concatenate([[-np.inf], times])
+        """(n,) s, when each segment begins, from −∞ on."""
+        return np.array([-np.inf, *(each.start for each in self.stretches[1:])])
 
     @cached_property
     def segments(self) -> Array:
-        """(n + 1, 21), what `along` reads of each."""
-        p, R = np.asarray(self.positions), np.asarray(self.rotations)
-        turns = Rotation.from_matrix(np.swapaxes(R[:-1], -1, -2) @ R[1:]).as_rotvec()
-        angle = np.linalg.norm(turns, axis=-1)
-        axis = turns / np.where(angle > 0, angle, 1.0)[:, None]
-        none, still = np.zeros((1, 3)), np.zeros((1, 1))
-        times = np.concatenate([[0.0], self.starts[1:-1], [0.0]])
-        return np.concatenate(
-            [
-                times[:, None],
-                np.concatenate([[1.0], self.durations, [1.0]])[:, None],
-                np.concatenate([p[:1], p]),
-                np.concatenate([none, p[1:] - p[:-1], none]),
-                np.concatenate([R[:1], R]).reshape(-1, 9),
-                np.concatenate([none, axis, none]),
-                np.concatenate([still, angle[:, None], still]),
-            ],
-            axis=-1,
-        )
+        """(n, SEGMENT), what `along` reads of each."""
+        return np.stack([each.row for each in self.stretches])
+
+    @cached_property
+    def stretches(self) -> tuple[Segment, ...]:
+        """The segments: rest in the first pose, those of the moves, rest in the last pose."""
+        poses = self._poses
+        moving = [each for move, pose in zip(self.moves, poses, strict=False) for each in move.segments(pose)]
+        begin = self.rest[0] + np.cumsum([0.0, *(each.span for each in moving)])
+        placed = [each._replace(start=start) for each, start in zip(moving, begin, strict=False)]
+        return (poses[0].resting(), *placed, poses[-1].resting()._replace(start=begin[-1]))
+
+    @property
+    def still(self) -> bool:
+        """True where it stays in one pose, to round-off."""
+        return all(each.still for each in self.stretches)
+
+    @property
+    def _poses(self) -> list[Pose]:
+        return [Pose(*each) for each in zip(self.positions, self.rotations, strict=True)]
+
+    def _led(self) -> tuple[Move, ...]:
+        """The moves, checked; straight ones where none are given."""
+        poses = self._poses
+        if not self.moves:
+            ways = zip(poses[1:], self.durations, strict=True)
+            return tuple(MoveTo(*pose, duration=time) for pose, time in ways)
+        moves: tuple[Move, ...] = all_of_type("Trajectory.moves", self.moves, Move)
+        given = self.positions, self.rotations, self.durations
+        pairs = zip(between(poses[0], moves), given, strict=True)
+        if not all(a.shape == b.shape and np.allclose(a, b, 0, SAME) for a, b in pairs):
+            raise InputError(
+                "Trajectory.moves do not lead through its positions and rotations in its durations; use "
+                "Trajectory.of, which finds them"
+            )
+        return moves
+
+
+def between(start: Pose, moves: Sequence[Move]) -> tuple[Array, Array, Array]:
+    """The positions (n + 1, 3) and rotations (n + 1, 3, 3) that n moves lead through, and times (n,)."""
+    poses, times = [start], []
+    for move in moves:
+        times.append(sum(float(each.span) for each in move.segments(poses[-1])))
+        poses.append(move.end(poses[-1]))
+    return (
+        np.stack([pose.position for pose in poses]),
+        np.stack([pose.rotation for pose in poses]),
+        np.array(times),
+    )

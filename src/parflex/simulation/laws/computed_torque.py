@@ -38,7 +38,7 @@ GAINS = 12  # kp 6, kd 6
 
 
 def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
-    """The motion under computed torque; the row is (segment 21, gains 12, preload m).
+    """The motion under computed torque; the row is (segment, gains 12, preload m).
 
     The law computes its forces without the wrenches; the feedback alone answers them.
     """

@@ -130,9 +130,9 @@ class JointPD(Controller):
     @classmethod
     def planned(cls, table: Any, model: Model, start: Start, way: Trajectory) -> "JointPD":
         """The controller that holds the start; raises InputError for a trajectory that leaves it."""
-        if np.ptp(way.positions, axis=0).any() or np.ptp(way.rotations, axis=0).any():
+        if not way.still:
             raise InputError(
-                'kind is "joint-pd", which holds the start, but a move leaves it; give moves without '
-                'position and rotation, or kind = "computed-torque"'
+                'kind is "joint-pd", which holds the start, but a move leaves it; give a '
+                'move that stays, hold = "1 s", or kind = "computed-torque"'
             )
         return cls(model, start.state, table.kp, table.kd, start.forces)

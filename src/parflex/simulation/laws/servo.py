@@ -53,7 +53,7 @@ class Servo(Controller):
             "kd", kinds.NUMBER, "N s/m or N m s/rad; one, or one for each motor; default ζ = 0.7", None
         ),
         TableEntry("ki", kinds.NUMBER, "N/(m s) or N m/(rad s); one, or one for each motor", 0.0),
-        TableEntry("rate", kinds.NUMBER, "Hz, of the samples of the controller that will run it", RATE),
+        TableEntry("rate", kinds.FREQUENCY, "Hz, of the samples of the controller that will run it", RATE),
     )
 
     model: Model

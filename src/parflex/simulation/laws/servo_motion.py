@@ -14,7 +14,7 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.wrench import Place
 from parflex.robot.layout import Coordinates
 from parflex.simulation.laws.joint_pd import joints_ahead
-from parflex.simulation.trajectory import Trajectory
+from parflex.simulation.moves import Pose
 
 
 def servo(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
@@ -55,8 +55,7 @@ def servo_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 
 def example_row(mechanism: Mechanism, gains: int) -> Array:
     """A row that rests at home, with so many gains for each actuator."""
-    position, rotation = (np.asarray(part) for part in mechanism.robot.home_pose)
-    still = Trajectory(np.stack([position] * 2), np.stack([rotation] * 2), [1.0]).segments[0]
+    still = Pose(*map(np.asarray, mechanism.robot.home_pose)).resting().row
     bend, kept = np.zeros(2 * mechanism.platform.modes), np.ones(gains * mechanism.n_forces)
     return np.concatenate([still, [0.0, 1.0], bend, kept])
 
