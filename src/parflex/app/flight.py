@@ -70,7 +70,7 @@ def fly(prepared: Prepared, say: Callable[[str], None] = lambda words: None) -> 
         max_step=table.max_step,
     )
     attributes = result.dataset.attrs
-    attributes["robot"], attributes["control"] = file.table.name, choice.controller.kind
+    attributes["robot"] = file.table.name
     if verdict is not None:
         attributes["verdict"], attributes["stable"] = str(verdict), int(verdict.stable)
     result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)

@@ -72,13 +72,16 @@ def move_of(plan: Plan, move: MoveTable, start: Pose) -> Move:
 
 
 def planned_control(plan: Plan, model: Model, start: Start, way: Trajectory) -> Choice:
-    """The controller that the plan asks for, or the one that suits the robot where it asks for none.
+    """The control that the plan asks for, or that suits the robot where it asks for none."""
+    if plan.table.controller is not None:
+        return Choice(planned_controller(plan, model, start, way))
+    found: Choice = plan.reader.must((), default_control, model, way)
+    return found
 
-    Raises InputError with its line where it does not fit.
-    """
+
+def planned_controller(plan: Plan, model: Model, start: Start, way: Trajectory) -> Controller:
+    """The controller that the plan asks for; raises InputError with its line where it does not fit."""
     table = plan.table.controller
-    if table is None:
-        found: Choice = plan.reader.must((), default_control, model, way)
-        return found
     [law] = [law for law in plan.laws if law.kind == table.kind]
-    return Choice(plan.reader.must(("controller",), law.planned, table, model, start, way))
+    controller: Controller = plan.reader.must(("controller",), law.planned, table, model, start, way)
+    return controller

@@ -65,6 +65,15 @@ def gains(mechanism: Mechanism, output: Output) -> Kernel:
     return kernel("gains", function, mechanism, outputs, (output,), flexible=size, rigid=size)
 
 
+def frozen_inverse(mechanism: Mechanism) -> Kernel:
+    """Γ for a wanted V̇_p of a platform frozen in its bend."""
+
+    def function(x: Array, platform: Array) -> Vectors:
+        return {"forces": dynamics.frozen_inverse(assembly.assembled(mechanism, x), platform)}
+
+    return kernel("frozen_inverse", function, mechanism, ("forces",))
+
+
 def contact_matrix(mechanism: Mechanism) -> Kernel:
     """The contact system's matrix, its independent rows: definite where the legs do not lock."""
     kept = mechanism.solved_rows.kept

@@ -17,7 +17,7 @@ from parflex.base.errors import InputError
 from parflex.robot.attachments import attachment_nodes
 from parflex.robot.modal import modal_diagonals, modal_mass, modal_masses, natural_frequencies
 from parflex.robot.modes import Modes
-from parflex.robot.moments import Moments, lumped_moments, shifted, with_point
+from parflex.robot.moments import Moments, lumped_moments, shifted, with_point, with_shapes
 from parflex.robot.words import counted, modal
 
 
@@ -152,6 +152,24 @@ class FlexibleBody:
             raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
         moments = with_point(self.moments, m, self.nodes[node], self.shapes[:, node])
         return replace(self, moments=moments)
+
+    def with_modes(self, modes: Sequence[int]) -> "FlexibleBody":
+        """The body with some of its modes (from 0), in this order; the others are as if they were rigid.
+
+        Raises InputError for a mode that it does not have, or that is named twice.
+        """
+        kept = [integer("modes", mode) for mode in modes]
+        if len(set(kept)) < len(kept) or max(kept, default=-1) >= self.modes:
+            raise InputError(f"modes is {kept}; name some of 0 … {self.modes - 1}, each once")
+        turned = None if self.rotation_shapes is None else self.rotation_shapes[kept]
+        return replace(
+            self,
+            moments=with_shapes(self.moments, kept),
+            shapes=self.shapes[kept],
+            rotation_shapes=turned,
+            stiffness=self.stiffness[kept],
+            damping=self.damping[kept],
+        )
 
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
         """Φ_d and Φ_r (3, N) of a node, or of a point (3,) m away from it that is fixed to it.

@@ -25,8 +25,18 @@ def actuator_names(robot: Robot) -> list[str]:
 
 def actuator_units(robot: Robot) -> str:
     """The unit of the actuators' forces: N, N m, or both where sliders and motors are mixed."""
+    return by_type(robot, "N", "N m")
+
+
+def position_units(robot: Robot) -> str:
+    """The unit of the actuated joints' positions: m, rad, or both."""
+    return by_type(robot, "m", "rad")
+
+
+def by_type(robot: Robot, sliding: str, turning: str) -> str:
+    """The units that the actuators have, those of sliders first."""
     kinds = {joint.sigma for _, _, joint in driven(robot)}
-    return ", ".join(unit for sigma, unit in ((1, "N"), (0, "N m")) if sigma in kinds) or "N"
+    return ", ".join(unit for sigma, unit in ((1, sliding), (0, turning)) if sigma in kinds) or sliding
 
 
 def beyond_limits(robot: Robot, joints: Array) -> str:

@@ -1,5 +1,6 @@
 """The inertia integrals of a flexible body."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -62,3 +63,8 @@ def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
         P1=old.P1 + m * outer(Phi, r),
         P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
     )
+
+
+def with_shapes(old: Moments, kept: Sequence[int]) -> Moments:
+    """The integrals of some of the shapes."""
+    return old._replace(S=old.S[:, kept], P1=old.P1[kept], P2=old.P2[np.ix_(kept, kept)])

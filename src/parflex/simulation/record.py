@@ -12,9 +12,9 @@ from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.joint_words import beyond_limits
 from parflex.simulation.integrate import Run
+from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import Replay
 from parflex.simulation.result import FORMAT
-from parflex.simulation.trajectory import Trajectory
 from parflex.simulation.variables import ALL_VARIABLES, COORDINATES
 from parflex.simulation.variables.legs import side_by_side
 from parflex.simulation.variables.recorded import Recorded
@@ -28,13 +28,13 @@ def record(
     model: Model,
     run: Run,
     replay: Replay,
-    trajectory: Trajectory | None,
+    controller: Controller,
     settings: dict[str, Any],
     variables: Sequence[Variable] = ALL_VARIABLES,
 ) -> xr.Dataset:
     """The dataset of an integrated run and of what its law did."""
     core, robot = core_of(model), model.robot
-    recorded = Recorded(core.mechanism, run, replay, trajectory)
+    recorded = Recorded(core, run, replay, controller)
     labels = {each.name: labelled(each, recorded) for each in variables}
     data = {name: entry for name, entry in labels.items() if entry is not None}
     sizes = {dim: n for dims, values, _ in data.values() for dim, n in zip(dims, values.shape, strict=True)}
@@ -53,6 +53,7 @@ def record(
         "stopped": run.stopped,
         "parflex_version": __version__,
         "backend": core.functions.backend.version(),
+        "control": controller.kind or type(controller).__name__,
         "gravity": np.asarray(robot.gravity),
         "beyond_limits": beyond_limits(robot, side_by_side(recorded.joints.q, len(run.t))),
         "units_note": "SI units and radians; Σp is the platform frame, Σ0 the world",

@@ -82,7 +82,7 @@ def simulate(
     if not run.stopped and replay.raised is not None:
         run.fail(replay.raised, "after the run, when called for the record")
     settings = {"integrator": method, **tolerances}
-    result = Result(lambda: record(model, run, replay, controller.trajectory, settings), run.stopped)
+    result = Result(lambda: record(model, run, replay, controller, settings), run.stopped)
     return ended(result, run, on_stop)
 
 

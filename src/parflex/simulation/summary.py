@@ -40,6 +40,14 @@ def errors(data: xr.Dataset) -> Iterator[Fact]:
     yield Fact("largest attitude error", np.max(pose[:, 3:], initial=0.0), "rad")
 
 
+def servo_error(data: xr.Dataset) -> Iterator[Fact]:
+    """The differences of the actuated joints from what the control wants."""
+    error, units = data["joint_error"], str(data["joint_error"].attrs.get("units", ""))
+    if error.size:
+        yield Fact("largest error of an actuated joint", float(np.max(np.abs(error.values))), units)
+        yield Fact("rms error of the actuated joints", float(np.sqrt(np.mean(error.values**2))), units)
+
+
 def actuator_force(data: xr.Dataset) -> Iterator[Fact]:
     """The largest force of an actuator, and which it is."""
     largest = np.max(np.abs(data["forces"].values), axis=0, initial=0.0)
@@ -75,6 +83,7 @@ def longest(vectors: xr.DataArray) -> float:
 
 FIGURES: dict[str, Callable[[xr.Dataset], Iterator[Fact]]] = {  # by the variable that they need
     "pose_error": errors,
+    "joint_error": servo_error,
     "forces": actuator_force,
     "contact_forces": contact_force,
     "attachment_deformation": deformation,

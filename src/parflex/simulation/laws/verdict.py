@@ -91,6 +91,7 @@ def frame_verdict(name: str, poles: Array) -> Verdict:
     return Verdict(
         False,
         worst,
-        f"{name}: unstable; while it holds the platform's frame, a motion of the modes {pace(worst)}; use "
-        f'the legs\' servos (kind = "servo"), damp the modes, or leave such shapes out of the platform',
+        f"{name}: unstable; while it holds the platform's frame, a motion of the modes {pace(worst)}; "
+        f'use the legs\' servos (kind = "servo"), damp the modes, or leave such shapes out '
+        f"(FlexibleBody.with_modes)",
     )

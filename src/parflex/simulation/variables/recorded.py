@@ -7,22 +7,22 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.kernels.segment import Sample
 from parflex.mechanics.energy import Energies, energies
-from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.ordering import Joints, joints_of
 from parflex.mechanics.paths import Paths, leg_paths
 from parflex.mechanics.system import System, assemble
+from parflex.model.core import Core
 from parflex.robot.layout import Coordinates, coordinates
 from parflex.simulation.integrate import Run
+from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import Replay
-from parflex.simulation.trajectory import Trajectory
 
 
 class Recorded:
     """The states of a run, what its law did, and what several variables need; computed at first need."""
 
-    def __init__(self, mechanism: Mechanism, run: Run, replay: Replay, trajectory: Trajectory | None) -> None:
-        self.mechanism, self.robot = mechanism, mechanism.robot
-        self.run, self.replay, self.trajectory = run, replay, trajectory
+    def __init__(self, core: Core, run: Run, replay: Replay, controller: Controller) -> None:
+        self.core, self.mechanism, self.robot = core, core.mechanism, core.robot
+        self.run, self.replay, self.controller = run, replay, controller
         self.t = run.t  # (T,) s
 
     @cached_property
@@ -65,7 +65,13 @@ class Recorded:
     @cached_property
     def wanted(self) -> Sample | None:
         """The motion that was to be followed, if one was."""
-        return None if self.trajectory is None else self.trajectory.sample(self.t)
+        way = self.controller.trajectory
+        return None if way is None else way.sample(self.t)
+
+    @cached_property
+    def wanted_joints(self) -> Array | None:
+        """The actuated joints (T, m) that were to be taken, if some were."""
+        return self.controller.wanted_joints(self.t)
 
     @cached_property
     def attachment_deformation(self) -> Array:

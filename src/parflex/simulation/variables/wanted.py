@@ -5,12 +5,17 @@ from collections.abc import Callable
 import numpy as np
 
 from parflex.base.array import Array, mtv, mv
+from parflex.kernels import models
 from parflex.kernels.segment import Sample
+from parflex.robot.joint_words import actuator_units, position_units
+from parflex.robot.layout import pack
+from parflex.robot.state import State
+from parflex.simulation.laws.joint_pd import joints_ahead
 from parflex.simulation.variables.motion import ACCELERATION_UNITS
 from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
 
-Wanted = Callable[[Recorded, Sample], Array]
+Wanted = Callable[[Recorded, Sample], Array | None]
 
 
 def of_trajectory(compute: Wanted) -> Callable[[Recorded], Array | None]:
@@ -42,7 +47,42 @@ def pose_error(run: Recorded, wanted: Sample) -> Array:
     return np.concatenate([place, Rotation.from_matrix(wanted_turn(run, wanted)).as_rotvec()], axis=-1)
 
 
+def rigid_forces(run: Recorded, wanted: Sample) -> Array | None:
+    """Γ (T, m) that a platform which cannot bend would need; None where the state carries joints.
+
+    Not a number at instants whose pose a leg does not reach.
+    """
+    layout = run.mechanism.layout
+    if layout.carried:
+        return None
+    x = pack(State(wanted.position, wanted.rotation, wanted.twist), layout)
+    x[:, layout.at.branches] = run.state.branches
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return run.core.readable(models.frozen_inverse)(x=x, platform=wanted.acceleration)["forces"]
+
+
+def joint_error(run: Recorded) -> Array | None:
+    """(T, m); angles within half a turn."""
+    if run.wanted_joints is None:
+        return None
+    return np.asarray(joints_ahead(run.system, run.wanted_joints))
+
+
 WANTED_VARIABLES = (
+    Variable(
+        "rigid_forces",
+        ("time", "actuator"),
+        actuator_units,
+        "actuator forces that a platform which cannot bend would need along the trajectory",
+        of_trajectory(rigid_forces),
+    ),
+    Variable(
+        "joint_error",
+        ("time", "actuator"),
+        position_units,
+        "desired minus actual position of the actuated joints",
+        joint_error,
+    ),
     Variable(
         "desired_position",
         ("time", "axis"),

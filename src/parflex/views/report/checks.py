@@ -30,6 +30,22 @@ def checks_of(data: xr.Dataset) -> list[Check]:
     return [check(data) for check, needed in ALL_CHECKS.items() if all(name in data for name in needed)]
 
 
+def came_to_its_end(data: xr.Dataset) -> Check:
+    """The run was not stopped before its last instant."""
+    stopped = str(data.attrs.get("stopped", ""))
+    how = f"it stopped {stopped}" if stopped else "1 where it stopped before its last instant"
+    return Check("the run came to its end", how, float(bool(stopped)), 0)
+
+
+def forces_plausible(data: xr.Dataset) -> Check:
+    """The actuators' forces are not far from what a rigid platform needs."""
+    needed = data["rigid_forces"].values
+    largest = float(np.max(np.abs(needed[np.isfinite(needed)]), initial=0.0))
+    found = float(np.max(np.abs(data["forces"].values), initial=0.0))
+    how = "largest actuator force over the largest that a platform which cannot bend needs on the same way"
+    return Check("forces are plausible", how, found / largest if largest else 0.0, 10.0)
+
+
 def all_finite(data: xr.Dataset) -> Check:
     """The state has no hole."""
     state = [name for name in ("position", "rotation", "twist", "elastic", "elastic_rate") if name in data]
@@ -84,10 +100,12 @@ def size(data: xr.Dataset) -> float:
 
 
 ALL_CHECKS: dict[Callable[[xr.Dataset], Check], tuple[str, ...]] = {
+    came_to_its_end: (),
     all_finite: ("position",),
     rotations_orthonormal: ("rotation",),
     legs_closed: ("leg_path", "path_attachment", "attachment_position"),
     body_fixed: ("attachment_position", "attachment_deformation", "position", "rotation"),
     balanced: ("energy_residual",),
+    forces_plausible: ("forces", "rigid_forces"),
     bent_little: ("attachment_deformation", "attachment_position"),
 }

@@ -25,6 +25,7 @@ from parflex.views.viewer.opening import Opened, opened
 from parflex.views.viewer.scene import finite_part
 
 SETTINGS = {
+    "control": "control",
     "integrator": "integrator",
     "rtol": "relative tolerance",
     "atol": "absolute tolerance",
@@ -55,6 +56,7 @@ def report_of(path: str | os.PathLike[str]) -> str:
 def contents(result: Opened, source: Path) -> dict[str, Any]:
     """The values of the template's names."""
     data = result.dataset
+    checks = checks_of(data)
     notes = [*result.notes, *lines(data, "notes"), *lines(data, "beyond_limits")]
     return {
         "title": data.attrs.get("robot") or source.stem,
@@ -62,6 +64,9 @@ def contents(result: Opened, source: Path) -> dict[str, Any]:
         "written": f"{datetime.now(UTC):%Y-%m-%d %H:%M} UTC",
         "parflex": __version__,
         "notes": notes,
+        "verdict": str(data.attrs.get("verdict", "")),
+        "stable": bool(data.attrs.get("stable", True)),
+        "failed": [check for check in checks if not check.passed],
         "facts": facts(data),
         "numbers": numbers(data),
         "picture": robot_picture(data),
@@ -69,7 +74,7 @@ def contents(result: Opened, source: Path) -> dict[str, Any]:
         "shapes": picture(plot.shapes_of(as_result(data))) if drawable(data) else "",
         "figures": {words: picture(fig) for words, fig in plot.over_time(as_result(data)).items()},
         "ledger": ledger(data),
-        "checks": checks_of(data),
+        "checks": checks,
         "versions": versions(),
         "robot": str(data["robot_file"].values) if "robot_file" in data else "",
     }
