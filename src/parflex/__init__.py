@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from parflex.analysis.zero_dynamics import OutputReport as OutputReport
     from parflex.base.errors import (
         DynamicSingularity as DynamicSingularity,
+        ImplausibleValue as ImplausibleValue,
         InputError as InputError,
         NotConverged as NotConverged,
         OutOfReach as OutOfReach,
@@ -66,7 +67,8 @@ if TYPE_CHECKING:
 _NAMES = {  # of each module; loaded at first use, so that `import parflex` is quick
     "analysis.mobility": "Mobility",
     "analysis.zero_dynamics": "OutputReport",
-    "base.errors": "DynamicSingularity InputError NotConverged OutOfReach PartialRun SingularPose",
+    "base.errors": "DynamicSingularity ImplausibleValue InputError NotConverged OutOfReach PartialRun "
+    "SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "mechanics.cartesian": "Cartesian",

@@ -8,13 +8,10 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import outer
-from parflex.base.errors import InputError
 from parflex.fe.modal_file import load_body
 from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
-
-WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 
 
 def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
@@ -80,15 +77,8 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 
 
 def platform(table: Table, folder: Path) -> FlexibleBody:
-    """The platform of a table; files are relative to `folder`.
-
-    Raises InputError that begins with the field's name.
-    """
-    try:
-        return BUILDERS[type(table)](table, folder)
-    except InputError as error:
-        first, space, rest = str(error).partition(" ")
-        raise InputError(WORDS.get(first, first) + space + rest) from None
+    """The platform of a table; files are relative to `folder`."""
+    return BUILDERS[type(table)](table, folder)
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

@@ -50,7 +50,9 @@ def read_robot(path: str | os.PathLike[str], joint: type[Joint] = Joint) -> Robo
     legs = [placed_leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
     body = reader.attempt(("platform",), platform, table.platform, reader.path.parent)
     reader.stop()
-    return RobotFile(joined_robot(reader, legs, body, table.gravity, home), table, reader)
+    robot = joined_robot(reader, legs, body, table.gravity, home)
+    reader.warn()
+    return RobotFile(robot, table, reader)
 
 
 def check_standing(file: RobotFile) -> None:

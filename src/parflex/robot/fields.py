@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base.check import Rule, exactly, finite, obeying, scalar
 from parflex.base.kinds import ByType, Kind
+from parflex.base.plausible import usual
 
 _KNOWN: dict[type, dict[str, "Column"]] = {}  # by dataclass, looked up for every state that is made
 
@@ -44,9 +45,9 @@ def about(form: Callable[[str, Any], Any], **known: Any) -> dict[str, Column]:
     return {"column": Column(form, **known)}
 
 
-def held(form: Callable[[str, Any], Any] | None = None, default: Any = MISSING) -> Any:
+def held(form: Callable[[str, Any], Any] | None = None, default: Any = MISSING, **known: Any) -> Any:
     """A field that is given as one type and held as another: it holds what the check makes of a value."""
-    return field(default=default, metadata=about(form) if form else {})
+    return field(default=default, metadata=about(form, **known) if form else {})
 
 
 def number(
@@ -94,7 +95,7 @@ def described(kind: type) -> dict[str, Column]:
 def check_fields(thing: Any) -> None:
     """Put each described field of a frozen dataclass into the form that it is kept in.
 
-    Raises InputError, with the field's name, for a value that there cannot be.
+    Raises InputError, with the field's name, for a value that there cannot be; doubts one that is unusual.
     """
     kind, given = type(thing), vars(thing)
     for name, column in described(kind).items():
@@ -102,4 +103,6 @@ def check_fields(thing: Any) -> None:
         kept = column.form(title, given[name])
         if column.rule is not None:
             obeying(title, np.asarray(kept), column.rule)
+        if column.kind is not None and kept is not None:
+            usual(title, kept, column.kind.of(given.get("sigma", 0)))
         object.__setattr__(thing, name, kept)
