@@ -65,10 +65,11 @@ class Payload:
         Raises InputError for a node that the body does not have; doubts a payload that outweighs the body
         a hundred times.
         """
-        if self.mass > HEAVY * body.moments.m:
+        if HEAVY * body.moments.m < self.mass <= kinds.MASS.most:
             doubt(
-                f"Payload.mass is {self.mass:.6g} kg, on a platform of {body.moments.m:.4g} kg; "
-                f'if it is in g, give {self.mass / 1000:.6g} kg, in files "{self.mass:.6g} g"'
+                f"Payload.mass is {self.mass:.10g} kg, on a platform of {body.moments.m:.4g} kg; "
+                f'if it is in g, give {self.mass / 1000:.10g} kg, in files "{self.mass:.10g} g"; if it is '
+                f"right, give the platform's own mass"
             )
         if self.node is not None and self.node >= len(body.nodes):
             raise InputError(f"Payload.node is {self.node}; this body has nodes 0 … {len(body.nodes) - 1}")

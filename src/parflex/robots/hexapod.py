@@ -6,7 +6,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
-from parflex.base.plausible import doubt
+from parflex.base.plausible import doubt, listening
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
@@ -83,10 +83,11 @@ def assembled(
     used = usual_strut(geometry.length) if strut is None else of_type("strut", strut, Strut)
     check_strut(used, lengths)
     check_apart(used, feet, heads)
-    legs = [
-        leg(used, float(length), foot, head, number)
-        for length, foot, head, number in zip(lengths, feet, heads, held, strict=True)
-    ]
+    with listening():  # what is computed from given numbers was doubted with them
+        legs = [
+            leg(used, float(length), foot, head, number)
+            for length, foot, head, number in zip(lengths, feet, heads, held, strict=True)
+        ]
     return Robot(legs, body, gravity, (geometry.home, np.eye(3)))
 
 
@@ -128,7 +129,8 @@ def attachments_at(body: FlexibleBody, joints: Array, radius: float) -> list[int
             remedy = f"give platform_offset = {points[nearest][2]:.4g}" if level else "move one of them"
             raise InputError(
                 f"platform has no attachment at the joint of leg {number + 1}, {listed(joint)} m; the "
-                f"nearest, {nearest}, is {distance[nearest]:.4g} m away at {listed(points[nearest])} m: {remedy}"
+                f"nearest, {nearest}, is {distance[nearest]:.4g} m away at {listed(points[nearest])} m; "
+                f"{remedy}"
             )
         found.append(nearest)
     return found
@@ -160,7 +162,7 @@ def check_apart(strut: Strut, feet: Array, heads: Array) -> None:
     distance, i, j = nearest_pair(feet, heads)
     if distance < max(thick, TOUCH * np.max(np.abs(heads - feet))):
         raise InputError(
-            f"strut: at home the axes of legs {i + 1} and {j + 1} pass within {1000 * distance:.3g} mm of each "
-            f"other, and the struts are {1000 * thick:.3g} mm thick; give larger radii, other spreads, or "
-            f"thinner struts"
+            f"strut: at home the axes of legs {i + 1} and {j + 1} pass within {1000 * distance:.3g} mm of "
+            f"each other, and the struts are {1000 * thick:.3g} mm thick; give larger radii, other spreads, "
+            f"or thinner struts"
         )

@@ -1,7 +1,7 @@
 """The places of a hexapod's joints from two radii, a height and the spread of its pairs."""
 
 from dataclasses import dataclass
-from itertools import combinations, pairwise
+from itertools import combinations
 
 import numpy as np
 
@@ -50,8 +50,7 @@ class HexapodGeometry:
                     f"{name} is {angle:.4g} deg, so that joints of neighbouring pairs coincide or change "
                     f"places; give less than 120 deg"
                 )
-        self._check_proportions()
-        self._check_stiffness()
+        self._check_stiffness(in_proportion=self._check_proportions())
 
     @property
     def base_joints(self) -> Array:
@@ -79,25 +78,27 @@ class HexapodGeometry:
         aside = np.cos(np.pi / 3 - (self.base_spread + self.platform_spread) / 2)
         return float(np.sqrt(self.height**2 + a * a + b * b - 2 * a * b * aside))
 
-    def _check_proportions(self) -> None:
-        """Doubt radii and a height that are hardly in one unit."""
+    def _check_proportions(self) -> bool:
+        """True where radii and height are in proportion; doubts those that are hardly in one unit."""
         names = ("base_radius", "platform_radius", "height")
         sizes = sorted((getattr(self, name), name) for name in names)
-        for (small, less), (large, more) in pairwise(sizes):
-            if large > APART * small:
-                doubt(
-                    f"{more} is {large:.4g} m and {less} {small:.4g} m, {large / small:.3g} times less; give "
-                    f'both in the same unit, in files with it: "{1000 * small:.4g} mm"'
-                )
+        (small, less), (large, more) = sizes[0], sizes[-1]
+        if large <= APART * small:
+            return True
+        if large <= kinds.LENGTH.most:
+            doubt(
+                f"{more} is {large:.4g} m and {less} {small:.4g} m, {large / small:.0f} times less; give "
+                f'both in the same unit, in files with it: "{1000 * small:.4g} mm"'
+            )
+        return False
 
-    def _check_stiffness(self) -> None:
-        """Raise InputError where the struts leave the platform a motion at home; doubt nearly such ones."""
+    def _check_stiffness(self, in_proportion: bool) -> None:
+        """Raise InputError where the struts leave the platform a motion at home; doubt nearly such ones that
+        are not out of proportion already."""
         feet = self.base_joints
         along = (self.platform_joints + self.home - feet) / self.length
         arms = self.platform_joints - [0.0, 0.0, self.platform_offset]
         values = np.linalg.svd(np.hstack([along, np.cross(arms, along) / self.platform_radius]))[1]
-        if values[-1] > POOR * values[0]:
-            return
         total = np.degrees(self.base_spread + self.platform_spread)
         if abs(total - 120) < 15:
             said = f"base_spread and platform_spread are {total:.4g} deg together"
@@ -107,12 +108,13 @@ class HexapodGeometry:
             sizes = f"{self.base_radius:.4g}, {self.platform_radius:.4g}"
             said = f"base_radius, platform_radius and height are {sizes} and {self.height:.4g} m"
             words = (
-                "the struts are nearly parallel, flat, or meet in a point; bring them nearer to each other"
+                "the struts are nearly parallel, flat, or meet in a point; bring the three nearer together"
             )
         if values[-1] < SINGULAR * values[0]:
             raise InputError(f"{said}, which leaves the platform a motion: {words}")
-        weak = f"{values[0] / values[-1]:.0f} times less against one motion than against another"
-        doubt(f"{said}, which holds the platform {weak}: {words}")
+        if values[-1] < POOR * values[0] and in_proportion:
+            weaker = f"{values[0] / values[-1]:.0f} times more weakly against one motion than against another"
+            doubt(f"{said}, so that the struts hold the platform {weaker}: {words}")
 
 
 def at_height(points: Array, z: float) -> Array:
