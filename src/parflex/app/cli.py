@@ -148,7 +148,7 @@ def run() -> None:
     warnings.filterwarnings("ignore", message=".*cut a degenerate pair.*")  # printed as a note
     warnings.filterwarnings("ignore", category=PartialRun)  # told where the result is saved
     warnings.showwarning = lambda message, *_, **__: complaints.print(
-        "[yellow]warning[/]", escape(str(message))
+        "[yellow]warning[/]", escape(str(message)), soft_wrap=True
     )
     try:
         app()

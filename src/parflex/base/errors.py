@@ -17,6 +17,10 @@ class NotConverged(InputError):
     """An iteration did not reach its tolerance."""
 
 
+class ImplausibleValue(UserWarning):
+    """A value is legal and hardly meant: a number in another unit, or out of all proportion to others."""
+
+
 class DynamicSingularity(UserWarning):
     """The pose lies beyond a dynamic singularity: the platform bends so much that it accelerates
     against its actuators, and feedback of that output would be unstable."""

@@ -1,15 +1,24 @@
 """Kinds of quantities with their SI units: what numbers of robots and of files measure."""
 
+import math
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of quantity: its words, its SI unit, and examples of how it may be written."""
+    """A kind of quantity: its words, its SI unit, and examples of how it may be written.
+
+    More of it than `most` is `beyond` what machines have, and then likely given in the unit `slip`, of which
+    one is `factor` in SI.
+    """
 
     words: str
     unit: str
     example: str
+    most: float = math.inf
+    beyond: str = ""
+    slip: str = ""
+    factor: float = 1.0
 
     @property
     def expected(self) -> str:
@@ -40,11 +49,15 @@ class ByType:
 
 
 NUMBER = Kind("a number", "", "0.3")
-LENGTH = Kind("a length", "m", '0.3 or "300 mm"')
-ANGLE = Kind("an angle", "rad", '0.5 or "30 deg"')
-MASS = Kind("a mass", "kg", '1.5 or "1500 g"')
-FIRST_MOMENT = Kind("a first moment", "kg m", '0.2 or "200 kg mm"')
-INERTIA = Kind("an inertia", "kg m^2", '0.02 or "2e4 kg mm^2"')
+LENGTH = Kind("a length", "m", '0.3 or "300 mm"', 50.0, "more than 50 m", "mm", 1e-3)
+ANGLE = Kind("an angle", "rad", '0.5 or "30 deg"', 6.3, "more than a full turn", "deg", math.pi / 180)
+MASS = Kind("a mass", "kg", '1.5 or "1500 g"', 2e4, "more than 20 tonnes", "g", 1e-3)
+FIRST_MOMENT = Kind(
+    "a first moment", "kg m", '0.2 or "200 kg mm"', 2e4, "more than 2 m times 10 tonnes", "kg mm", 1e-3
+)
+INERTIA = Kind(
+    "an inertia", "kg m^2", '0.02 or "2e4 kg mm^2"', 1e5, "more than (3 m)² times 10 tonnes", "kg mm^2", 1e-6
+)
 FORCE = Kind("a force", "N", '20 or "0.02 kN"')
 TORQUE = Kind("a torque", "N m", '2 or "2000 N mm"')
 SPEED = Kind("a speed", "m/s", '0.001 or "1 mm/s"')

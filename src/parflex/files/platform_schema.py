@@ -36,7 +36,9 @@ class RigidTable(Table):
     inertia: Inertia | None = Field(None, description="about the centre of mass: XX YY ZZ XY XZ YZ")
     first_moment: Moments3 | None = Field(None, description="∫ r dm, with second_moment")
     second_moment: Seconds3x3 | None = Field(None, description="∫ r rᵀ dm, instead of inertia")
-    attachments: list[Point] = Field(description="the points that legs may hold")
+    attachments: list[Point] | None = Field(
+        None, description="the points that legs may hold; of a hexapod by default its joints"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> "RigidTable":

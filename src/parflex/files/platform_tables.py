@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 
-from parflex.base.array import outer
+from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
 from parflex.fe.modal_file import load_body
 from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
-
-WORDS = {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # argument: field
 
 
 def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
@@ -54,6 +52,8 @@ def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:
 
 def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
     """A rigid body from its inertia about the centre of mass, or from its moments."""
+    if table.attachments is None:
+        raise InputError("attachments is missing; give the points that legs may hold")
     points = np.reshape(np.array(table.attachments, dtype=float), (-1, 3))
     if table.inertia is not None:
         com = (0.0, 0.0, 0.0) if table.com is None else table.com
@@ -79,16 +79,23 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 }
 
 
-def platform(table: Table, folder: Path) -> FlexibleBody:
+def platform(table: Table, folder: Path, joints: Array | None = None) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
 
-    Raises InputError that begins with the field's name.
+    A plate or rigid body that names no attachments has them at the joints (k, 3) m of Σp, a plate in the
+    plane of the joints.
     """
-    try:
-        return BUILDERS[type(table)](table, folder)
-    except InputError as error:
-        first, space, rest = str(error).partition(" ")
-        raise InputError(WORDS.get(first, first) + space + rest) from None
+    if joints is not None and getattr(table, "attachments", ()) is None:
+        table = table.model_copy(update=at_joints(table, joints))
+    return BUILDERS[type(table)](table, folder)
+
+
+def at_joints(table: Table, joints: Array) -> dict[str, Any]:
+    """Attachments at joints (k, 3) m of Σp, whose z axis is the plate's."""
+    if isinstance(table, RigidTable):
+        return {"attachments": joints.tolist()}
+    origin = getattr(table, "origin", None) or [0.0, 0.0, -float(joints[0, 2])]
+    return {"attachments": (joints[:, :2] + np.array(origin)[:2]).tolist(), "origin": origin}
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

@@ -1,8 +1,9 @@
-"""Reading a TOML file: everything that is wrong with it, each with its line."""
+"""Reading a TOML file: everything that is wrong with it or hardly meant, each with its line."""
 
 import os
 import re
 import tomllib
+import warnings
 from collections.abc import Callable
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
@@ -10,13 +11,18 @@ from typing import ParamSpec, TypeVar, cast
 from pydantic import ValidationError
 
 from parflex.base.absent import absent
-from parflex.base.errors import InputError
+from parflex.base.errors import ImplausibleValue, InputError
+from parflex.base.plausible import listening
 from parflex.files.lines import Where, line_of, reached
 from parflex.files.sentences import field_name, sentences
 from parflex.files.tables import Table
+from parflex.robot.fields import described
+from parflex.robot.leg import Joint
 
 MOST = 5  # complaints at once
-FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
+FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+(?:\.\w+)*)")  # 'Leg.rotation is …' is about the field rotation
+IN_FILES = {name: column.file for name, column in described(Joint).items() if column.file}
+IN_FILES |= {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # other arguments
 
 T = TypeVar("T", bound=Table)
 P = ParamSpec("P")
@@ -24,7 +30,7 @@ R = TypeVar("R")
 
 
 class Reader:
-    """A file that is being read, and the complaints about it so far.
+    """A file that is being read, and the complaints and doubts about it so far.
 
     Raises InputError where it cannot be read or is not TOML.
     """
@@ -32,11 +38,13 @@ class Reader:
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self._complaints: list[tuple[int, str]] = []
+        self._doubts: list[tuple[int, str]] = []
         self.text = file_text(self.path)
         try:
             self._document = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
-            self._complain(syntax_line(error, self.text), f"not TOML: {syntax_words(error)}")
+            line = syntax_line(error, self.text)
+            self._complaints.append(self._at(line, f"not TOML: {syntax_words(error)}"))
             raise self._told() from None
 
     def table(self, kind: type[T]) -> T:
@@ -45,16 +53,19 @@ class Reader:
             return kind.model_validate(self._document)
         except ValidationError as error:
             for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
-                self._complain(line_of(self.text, where), words)
+                self._complaints.append(self._line(where, words))
             raise self._told() from None
 
     def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
         """The result of `build`; where it raises InputError, None, and one complaint more."""
-        try:
-            return build(*args, **kwargs)
-        except InputError as error:
-            self._locate(where, str(error))
-            return None
+        with listening() as doubts:
+            try:
+                return build(*args, **kwargs)
+            except InputError as error:
+                self._complaints.append(self._located(where, str(error)))
+                return None
+            finally:
+                self._doubts += [self._located(where, words) for words in doubts]
 
     def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
         """The same as `attempt`, but a complaint is raised at once."""
@@ -67,13 +78,21 @@ class Reader:
         if self._complaints:
             raise self._told() from None
 
-    def _locate(self, where: Where, error: str) -> None:
-        """A complaint at `where`, or at the field of it that the error begins with."""
-        field = FIELD.match(error)
-        place = reached(self._document, (*where, field[1] if field else ""))
-        named = field is not None and len(place) > len(where)
-        words = error[field.end() :] if field and named else f": {error}"
-        self._complain(line_of(self.text, place), field_name(place if named else where) + words)
+    def warn(self) -> None:
+        """Warn of the doubts about what was built, by line, each once."""
+        for _, words in sorted(set(self._doubts)):
+            warnings.warn(words, ImplausibleValue, stacklevel=4)
+        self._doubts.clear()
+
+    def _located(self, where: Where, words: str) -> tuple[int, str]:
+        """The line and the sentence of what is said at `where`, or of the field there that it begins with."""
+        field = FIELD.match(words)
+        steps = [IN_FILES.get(step, step) for step in field[1].split(".")] if field else []
+        place = reached(self._document, (*where, *steps))
+        if field and steps and len(place) == len(where) + len(steps):
+            return self._line(place, field_name(place) + words[field.end() :])
+        said = words[field.start(1) :] if field else words
+        return self._line(place, f"{field_name(where)}: {said}")
 
     def _told(self) -> InputError:
         """The complaints, by line, as one error."""
@@ -81,8 +100,12 @@ class Reader:
         rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
         return InputError("\n".join(told[:MOST] + rest))
 
-    def _complain(self, line: int, words: str) -> None:
-        self._complaints.append((line, f"{self.path.name}:{line}: {words}"))
+    def _line(self, where: Where, words: str) -> tuple[int, str]:
+        """A line, and the sentence that names file and line."""
+        return self._at(line_of(self.text, where), words)
+
+    def _at(self, line: int, words: str) -> tuple[int, str]:
+        return line, f"{self.path.name}:{line}: {words}"
 
 
 def file_text(path: Path) -> str:

@@ -105,7 +105,7 @@ class Tip:
     the platform's attachment number `attachment` (from 0)."""
 
     frame: int = field(metadata=about(partial(integer, lowest=1)))
-    offset: Given = held(exact((3,)), default=(0.0, 0.0, 0.0))
+    offset: Given = held(exact((3,)), default=(0.0, 0.0, 0.0), kind=kinds.LENGTH)
     attachment: int = field(default=0, metadata=about(integer))
 
     def __post_init__(self) -> None:
@@ -124,7 +124,7 @@ class Leg:
     """
 
     rotation: Given = held(single_rotation)
-    origin: Given = held(exact((3,)))
+    origin: Given = held(exact((3,)), kind=kinds.LENGTH)
     joints: Held[Sequence[Joint], tuple[Joint, ...]] = held(partial(all_of_type, kind=Joint))
     tips: Held[Sequence[Tip], tuple[Tip, ...]] = held(partial(all_of_type, kind=Tip))
     posture: Held[ArrayLike | None, Array | None] = held(default=None)
