@@ -72,7 +72,7 @@ class Servo(Controller):
                 "Servo asks the legs for their joints in closed form, which legs that Newton's method solves "
                 "do not give; use ComputedTorque, JointPD or a function of your own"
             )
-        if None in (self.kp, self.kd):
+        if self.kp is None or self.kd is None:
             found = default_gains(core)
             for name in ("kp", "kd"):
                 if getattr(self, name) is None:

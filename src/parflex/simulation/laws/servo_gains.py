@@ -10,6 +10,7 @@ from parflex.base.errors import InputError
 from parflex.model.core import Core
 
 ZETA = 0.7  # the damping ratio of a servo's default
+PARTS = 0.9 ** np.arange(1, 130)  # of a frequency, down to a millionth
 SERVO = 2 * np.pi * 20.0  # rad/s, its frequency where the platform does not bend too easily
 
 
@@ -51,18 +52,14 @@ def check_sampled(core: Core, kp: Array, kd: Array, ki: Array, rate: float) -> N
 
     if radius(1.0) <= 1.0 + 1e-9:
         return
-    part = next((part for part in 0.9 ** np.arange(1, 200) if radius(part) <= 1.0), 0.0)
+    where = f"at {rate:g} samples a second the legs' servos are unstable, even if nothing bends"
+    part = next((part for part in PARTS if radius(part) <= 1.0), None)
+    if part is None:
+        raise InputError(f"kd is too low beside kp and ki: {where}; raise it, or leave the gains out")
     raise InputError(
-        f"kp, kd or ki is too high: at {rate:g} samples a second the legs' servos are unstable, even if "
-        f"nothing bends; {remedy(part)}, or name the rate (Hz) of a faster controller"
+        f"kp, kd or ki is too high: {where}; take {part**2:.2g} times kp and {part:.2g} times kd, or name "
+        f"the rate (Hz) of a faster controller"
     )
-
-
-def remedy(part: float) -> str:
-    """The advice, where servos of `part` of the frequency are stable."""
-    if part == 0.0:
-        return "give kd, which damps; lower ki"
-    return f"kp of {part**2:.2g} times this and kd of {part:.2g} times this are stable"
 
 
 def sampled_radius(mobility: Array, kp: Array, kd: Array, ki: Array, T: float) -> float:

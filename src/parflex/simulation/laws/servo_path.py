@@ -1,5 +1,7 @@
 """A trajectory as the legs' servos read it: the platform's bend along it, and whether the legs reach."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from itertools import pairwise
 
 import numpy as np
@@ -23,7 +25,7 @@ def sagging(core: Core, way: Trajectory) -> Array:
     The bends are those of the equilibria in the poses where segments meet.
     """
     times = way.starts[1:]
-    found = np.stack([bend_at(core, pose.position, pose.rotation) for pose in map(way.sample, times)])
+    found = np.stack([bend_at(core, way, time) for time in times])
     bend = np.concatenate([found[:1], found])
     change = np.concatenate([0 * found[:1], np.diff(found, axis=0), 0 * found[:1]])
     start = np.append(times[0], times)
@@ -31,10 +33,21 @@ def sagging(core: Core, way: Trajectory) -> Array:
     return np.hstack([start[:, None], span[:, None], bend, change])
 
 
-def bend_at(core: Core, position: Array, rotation: Array) -> Array:
-    """q_e (N,) of the equilibrium in a pose."""
-    x, _ = at_rest(core.readable, "trajectory", State(position, rotation))
+def bend_at(core: Core, way: Trajectory, time: float) -> Array:
+    """q_e (N,) of the equilibrium in the pose at a time; raises as `at_rest`, with the time."""
+    pose = way.sample(time)
+    with told_at(time):
+        x, _ = at_rest(core.readable, "trajectory", State(pose.position, pose.rotation))
     return x[core.mechanism.layout.at.elastic]
+
+
+@contextmanager
+def told_at(time: float) -> Iterator[None]:
+    """What is refused within is told with the time on the trajectory."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"trajectory at t = {time:.4g} s: {error}") from None
 
 
 def wanted_system(core: Core, way: Trajectory, rows: Array, t: Array) -> System:
@@ -52,7 +65,5 @@ def check_reach(core: Core, way: Trajectory, rows: Array) -> None:
     t = np.unique(np.concatenate([np.linspace(*ends, INSTANTS) for ends in stretches]))
     found = health(wanted_system(core, way, rows, t))
     for number, time in enumerate(t):
-        try:
+        with told_at(time):
             check_legs(core.mechanism, found[number])
-        except InputError as error:
-            raise type(error)(f"trajectory at t = {time:.4g} s: {error}") from None
