@@ -6,6 +6,7 @@ from parflex.analysis.health import check_finite
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.model.core import Core
+from parflex.robot.joint_words import actuator_units
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.laws.verdict import duration
@@ -71,4 +72,5 @@ class Growth(Observer):
             check_finite(forces)
         except InputError:
             return ""
-        return f", and the largest actuator force to {np.max(np.abs(forces), initial=0.0):.2g} N or N m"
+        units = actuator_units(self._mechanism.robot)
+        return f", and the largest actuator force to {np.max(np.abs(forces), initial=0.0):.2g} {units}"
