@@ -79,6 +79,6 @@ def test_gains_that_no_sampled_controller_bears(parflex):
     files(pf.robots.rus6(modes=0), '[controller]\nkind = "servo"\nkp = 1e9\nkd = 1e6\n')
     code, _, err = parflex("simulate", "robot.toml", "--trajectory", "way.toml", "--out", ".")
     assert code == 2
-    assert "way.toml:6: " in err
+    assert "way.toml:8: " in err
     assert "at 4000 samples a second" in err
     assert "\n" not in err.strip()
