@@ -16,7 +16,7 @@ from parflex.robot.moments import with_body
 from parflex.robot.words import told
 
 HEAVY = 100.0  # times the platform that carries it: hardly meant
-FIT = 12  # nodes from which the turning of a place is found where shapes have no rotations
+FIT = 6  # nodes from which the turning of a place is found where shapes have no rotations
 
 
 @dataclass(frozen=True, eq=False)

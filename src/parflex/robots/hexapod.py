@@ -80,10 +80,11 @@ def assembled(
     lengths = np.linalg.norm(heads - feet, axis=1)
     if np.allclose(lengths, geometry.length, rtol=1e-12, atol=0):
         lengths = np.full(6, geometry.length)  # one number, so that the legs are alike to the bit
-    used = usual_strut(geometry.length) if strut is None else of_type("strut", strut, Strut)
-    check_strut(used, lengths)
-    check_apart(used, feet, heads)
+    if strut is not None:
+        check_strut(of_type("strut", strut, Strut), lengths)
+        check_apart(strut, feet, heads)
     with listening():  # what is computed from given numbers was doubted with them
+        used = usual_strut(geometry.length) if strut is None else strut
         legs = [
             leg(used, float(length), foot, head, number)
             for length, foot, head, number in zip(lengths, feet, heads, held, strict=True)
