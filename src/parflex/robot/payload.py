@@ -29,7 +29,7 @@ class Payload:
     Raises InputError for a mass that is not positive or an inertia that no body has.
     """
 
-    mass: float = given(kinds.MASS, "in kg", POSITIVE)
+    mass: float = given(kinds.MASS, "the mass, in kg", POSITIVE)
     com: Given = given(
         kinds.LENGTH, "centre of mass in the platform's frame", default=(0.0, 0.0, 0.0), shape=(3,)
     )

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
+from parflex.base.kinds import LENGTH
 from parflex.base.plausible import doubt, listening
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
@@ -149,7 +150,7 @@ def check_strut(strut: Strut, lengths: Array) -> None:
             )
     for name, bar in (("cylinder", strut.cylinder), ("rod", strut.rod)):
         for size, value in (("length", bar.length), ("outer", bar.outer), ("com", bar.com)):
-            if value is not None and abs(value) > 2 * np.max(lengths):
+            if value is not None and 2 * np.max(lengths) < abs(value) <= LENGTH.most:
                 doubt(
                     f"strut.{name}.{size} is {value:.4g} m, of a strut that is {np.max(lengths):.4g} m long "
                     f'at home; if it is in mm, give {value / 1000:.4g} m, in files "{value:.4g} mm"'

@@ -32,14 +32,20 @@ class HexapodGeometry:
     the platform a motion.
     """
 
-    base_radius: float = given(kinds.LENGTH, "of the circle of the base's joints", POSITIVE)
-    platform_radius: float = given(kinds.LENGTH, "of the circle of the platform's joints", POSITIVE)
-    height: float = given(kinds.LENGTH, "between the planes of the joints, at home", POSITIVE)
-    base_spread: float = given(kinds.ANGLE, "between the base's joints of a pair", NOT_NEGATIVE)
-    platform_spread: float = given(kinds.ANGLE, "between the platform's joints of a pair", NOT_NEGATIVE)
-    base_offset: float = given(kinds.LENGTH, "of the base's joints above the world's origin", default=0.0)
+    base_radius: float = given(kinds.LENGTH, "the radius of the base's circle of joints", POSITIVE)
+    platform_radius: float = given(kinds.LENGTH, "the radius of the platform's circle of joints", POSITIVE)
+    height: float = given(
+        kinds.LENGTH, "the height of the platform's joints over the base's, at home", POSITIVE
+    )
+    base_spread: float = given(kinds.ANGLE, "the angle between the base's joints of a pair", NOT_NEGATIVE)
+    platform_spread: float = given(
+        kinds.ANGLE, "the angle between the platform's joints of a pair", NOT_NEGATIVE
+    )
+    base_offset: float = given(
+        kinds.LENGTH, "height of the base's joints over the world's origin", default=0.0
+    )
     platform_offset: float = given(
-        kinds.LENGTH, "of the platform's joints above the origin of its frame", default=0.0
+        kinds.LENGTH, "height of the platform's joints over the origin of its frame", default=0.0
     )
 
     def __post_init__(self) -> None:
@@ -92,7 +98,7 @@ class HexapodGeometry:
             )
 
     def _check_stiffness(self) -> None:
-        """Raise InputError where the struts leave the platform a motion at home; doubt where they nearly do."""
+        """Raise InputError where the struts leave the platform a motion at home; doubt nearly such ones."""
         feet = self.base_joints
         along = (self.platform_joints + self.home - feet) / self.length
         arms = self.platform_joints - [0.0, 0.0, self.platform_offset]
@@ -101,8 +107,8 @@ class HexapodGeometry:
         total = np.degrees(self.base_spread + self.platform_spread)
         if abs(total - 120) < ALIGNED and weakest < POOR:
             words = (
-                f"base_spread and platform_spread are {total:.4g} deg together; at 120 deg all struts meet the "
-                f"hexapod's axis, and nothing holds the platform against turning about it: make one smaller"
+                f"base_spread and platform_spread are {total:.4g} deg together; at 120 deg all struts meet "
+                f"the hexapod's axis, and nothing keeps the platform from turning about it: make one smaller"
             )
             if weakest < SINGULAR:
                 raise InputError(words)
