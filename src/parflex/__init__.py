@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from parflex.simulation.laws.computed_torque import ComputedTorque as ComputedTorque
     from parflex.simulation.laws.controller import Controller as Controller
     from parflex.simulation.laws.joint_pd import JointPD as JointPD
+    from parflex.simulation.leg_motion import LegMotion as LegMotion, leg_motion as leg_motion
     from parflex.simulation.moves.circle import Circle as Circle
     from parflex.simulation.moves.hold import Hold as Hold
     from parflex.simulation.moves.move_to import MoveTo as MoveTo
@@ -89,6 +90,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.laws.computed_torque": "ComputedTorque",
     "simulation.laws.controller": "Controller",
     "simulation.laws.joint_pd": "JointPD",
+    "simulation.leg_motion": "LegMotion leg_motion",
     "simulation.moves.circle": "Circle",
     "simulation.moves.hold": "Hold",
     "simulation.moves.move_to": "MoveTo",

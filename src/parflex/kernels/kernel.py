@@ -1,7 +1,7 @@
 """Kernels: functions of named flat vectors, which every backend can run."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from inspect import signature
 from typing import Any
 
@@ -12,6 +12,8 @@ from parflex.mechanics.flat_state import flat_state
 from parflex.mechanics.mechanism import Mechanism
 
 Vectors = dict[str, Array]
+
+SMALL = 1e-2  # how far inputs lie from what they are near to, where a kernel is tried
 
 
 @dataclass(frozen=True)
@@ -28,6 +30,7 @@ class Kernel:
     outputs: Mapping[str, int]
     mechanism: Mechanism
     chosen: tuple[Any, ...] = ()
+    near: Mapping[str, Array] = field(default_factory=dict)  # inputs about which it is tried; of others zero
 
     @property
     def subject(self) -> tuple[Any, ...]:
@@ -45,7 +48,8 @@ class Kernel:
         moving = (place >= at.twist.start) & (place < at.branches.start)
         x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
         others = {name: n for name, n in self.inputs.items() if name != "x"}
-        return {"x": x} | {name: rng.uniform(-1, 1, (count, n)) for name, n in others.items()}
+        tried = {name: rng.uniform(-1, 1, (count, n)) for name, n in others.items()}
+        return {"x": x, **tried} | {name: at + SMALL * tried[name] for name, at in self.near.items()}
 
 
 def kernel(
@@ -82,4 +86,5 @@ def lengths(mechanism: Mechanism) -> dict[str, int]:
         "powers": 3,  # of actuators, of loads, and lost by damping and friction
         "positions": m,  # q_a of the actuated joints
         "rates": m,  # q̇_a
+        "accelerations": m,  # q̈_a
     }
