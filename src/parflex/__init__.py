@@ -59,6 +59,7 @@ if TYPE_CHECKING:
     from parflex.simulation.laws.joint_pd import JointPD as JointPD
     from parflex.simulation.laws.servo import Servo as Servo
     from parflex.simulation.laws.verdict import Verdict as Verdict
+    from parflex.simulation.leg_motion import LegMotion as LegMotion, leg_motion as leg_motion
     from parflex.simulation.moves.circle import Circle as Circle
     from parflex.simulation.moves.hold import Hold as Hold
     from parflex.simulation.moves.move_to import MoveTo as MoveTo
@@ -101,6 +102,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.laws.joint_pd": "JointPD",
     "simulation.laws.servo": "Servo",
     "simulation.laws.verdict": "Verdict",
+    "simulation.leg_motion": "LegMotion leg_motion",
     "simulation.moves.circle": "Circle",
     "simulation.moves.hold": "Hold",
     "simulation.moves.move_to": "MoveTo",

@@ -11,6 +11,9 @@ import oracle
 import parflex as pf
 import zoo
 from measures import relative
+from parflex.mechanics.imposed import imposed_accelerations
+from parflex.mechanics.ordering import by_leg
+from parflex.model.core import core_of
 
 ORACLE = 1e-10  # two solutions in 64 bits at conditions of 1e4: round-off leaves 1e-12
 LIBRARY = 1e-9  # the accuracy the library promises
@@ -134,12 +137,17 @@ def test_compiled_models(name):
 
 @pytest.mark.parametrize("name", ALL)
 def test_joints(name):
-    """Positions, rates and accelerations of all joints."""
+    """Positions, rates and accelerations of all joints: those that forces cause, which the platform's motion
+    imposes on legs without freedoms of their own."""
     sample, numpy_model = ALL[name](), model(name, "numpy")
     legs = numpy_model.joints(sample.states)
     qdd = numpy_model.joint_accelerations(sample.states, sample.forces)
+    system, moved = core_of(numpy_model).system(sample.states), sample.direct
+    imposed = by_leg(system.mechanism, imposed_accelerations(system, moved.platform, moved.elastic))
     for i in range(len(sample.legs)):
         found = legs.q[i], legs.qd[i], qdd[i]
         wanted = sample.q[i], sample.qd[i], sample.direct.qdd[i]
         errors = [relative(a, b) for a, b in zip(found, wanted, strict=True)]
         assert max(errors) <= LIBRARY, (i, errors)
+        if len(sample.legs[i].joints) <= 3 * len(sample.legs[i].tips):
+            assert relative(imposed[i], moved.qdd[i]) <= LIBRARY, i

@@ -141,6 +141,8 @@ def test_backends_agree(name, flexible):
     u, target = forces(name, flexible), np.ones(len(ENTRIES[name].output))
     plain, fast = model(name, flexible), compiled(name, flexible)
     at = states(name, flexible)
+    for a, b in zip(fast.joints(at), plain.joints(at), strict=True):
+        assert relative(np.concatenate(a, axis=-1), np.concatenate(b, axis=-1)) <= SAME
     direct = (m.direct(at, u) for m in (plain, fast))
     inverse = (m.inverse(at, target, output(name)) for m in (plain, fast))
     for answers in (direct, inverse):

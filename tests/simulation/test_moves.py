@@ -12,8 +12,9 @@ from parflex.app.trajectory_file import read_plan, trajectory_of
 from parflex.app.trajectory_schema import trajectory_table
 from parflex.base.check import POSITIVE
 from parflex.base.kinds import LENGTH, TIME
+from parflex.kernels.segment import path, resting
 from parflex.simulation.moves import ALL_MOVES, Circle, Hold, MoveTo, Pose
-from parflex.simulation.moves.move import Move, entry, path
+from parflex.simulation.moves.move import Move, entry
 from parflex.simulation.moves.move_to import QUINTIC
 
 FROM = Pose(np.array([0.2, -0.1, 0.9]), Rotation.from_rotvec([0.3, -0.2, 0.5]).as_matrix())
@@ -168,8 +169,8 @@ class Lift(Move):
 
     def segments(self, start):
         way = np.array([0.0, 0.0, self.height, 0.0])
-        still = start.resting(self.duration)
-        return [still._replace(path=path(start.position, way, QUINTIC))]
+        line = path(start.position, way, QUINTIC)
+        return [resting(*start, self.duration)._replace(path=line)]
 
 
 FILE = """\

@@ -13,6 +13,8 @@ from parflex.mechanics.mechanism import Mechanism
 
 Vectors = dict[str, Array]
 
+SMALL = 1e-2  # how far inputs lie from what they are near to, where a kernel is tried
+
 
 @dataclass(frozen=True)
 class Kernel:
@@ -28,7 +30,7 @@ class Kernel:
     outputs: Mapping[str, int]
     mechanism: Mechanism
     chosen: tuple[Any, ...] = ()
-    examples: Mapping[str, Array] = field(default_factory=dict)  # of inputs that cannot be any numbers
+    near: Mapping[str, Array] = field(default_factory=dict)  # inputs about which it is tried; of others zero
 
     @property
     def subject(self) -> tuple[Any, ...]:
@@ -46,9 +48,10 @@ class Kernel:
         moving = (place >= at.twist.start) & (place < at.branches.start)
         x = home + np.where(moving, 1e-3, 0.0) * rng.normal(size=(count, len(home)))
         more = np.zeros((count, self.inputs["x"] - len(home)))
-        others = {name: rng.uniform(-1, 1, (count, n)) for name, n in self.inputs.items() if name != "x"}
-        others |= {name: near + 1e-3 * others[name] for name, near in self.examples.items()}
-        return {"x": np.concatenate([x, more], axis=-1)} | others
+        others = {name: n for name, n in self.inputs.items() if name != "x"}
+        tried = {name: rng.uniform(-1, 1, (count, n)) for name, n in others.items()}
+        tried |= {name: at + SMALL * tried[name] for name, at in self.near.items()}
+        return {"x": np.concatenate([x, more], axis=-1), **tried}
 
 
 def kernel(
@@ -85,4 +88,5 @@ def lengths(mechanism: Mechanism) -> dict[str, int]:
         "powers": 3,  # of actuators, of loads, and lost by damping and friction
         "positions": m,  # q_a of the actuated joints
         "rates": m,  # q̇_a
+        "accelerations": m,  # q̈_a
     }

@@ -71,7 +71,7 @@ def motion(
     outputs = ("forces", "rate", "powers", "contact", "health")
     sizes = {"row": row, "pushes": 6 * len(places), "x": size + memory, "rate": size + memory}
     made = kernel(name, function, mechanism, outputs, (places, *chosen), **sizes)
-    return made if example is None else replace(made, examples={"row": example})
+    return made if example is None else replace(made, near={"row": example})
 
 
 def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, found: Acceleration) -> Vectors:

@@ -52,5 +52,5 @@ def for_any(parameters: Parameters, plain: Kernel, at: Callable[[Array], Callabl
 
     inputs = {**plain.inputs, "theta": parameters.size}
     chosen = (*plain.chosen, parameters.names)
-    kept = (plain.outputs, plain.mechanism, chosen, plain.examples)
-    return Parametrised(plain.name, function, inputs, *kept, parameters.own)
+    made = (plain.name, function, inputs, plain.outputs, plain.mechanism, chosen, plain.near)
+    return Parametrised(*made, own=parameters.own)

@@ -11,6 +11,8 @@ from parflex.robot.state import State
 
 ONE = np.eye(3)
 STILL = np.zeros(4)
+NONE = np.zeros(6)
+CONSTANT = np.eye(6)[0]  # the polynomial 1
 ROUNDOFF = 1e-12  # m, rad
 
 
@@ -39,7 +41,7 @@ class Segment(NamedTuple):
     rotation: Array  # (…, 3, 3)
     path: Array  # (…, 6, 4), coefficients of P by ascending powers of τ; m, rad
     axis: Array = np.zeros(3)  # (…, 3)
-    phase: Array = np.zeros(6)  # (…, 6), coefficients of φ, rad
+    phase: Array = NONE  # (…, 6), coefficients of φ, rad
     versine: Array = STILL  # (…, 4), a
     sine: Array = STILL  # (…, 4), b
     start: Array = np.zeros(())  # (…,) s
@@ -54,6 +56,16 @@ class Segment(NamedTuple):
         """True where it stays in one pose, to round-off."""
         moving = [self.path[1:], self.versine, self.sine]
         return all(np.max(np.abs(part)) < ROUNDOFF for part in moving)
+
+
+def path(position: Array, way: Array = STILL, pace: Array = NONE) -> Array:
+    """(6, 4) of a segment: from a position along a way (line 3, angle 1), by the polynomial `pace` (6,)."""
+    return np.outer(CONSTANT, [*position, 0.0]) + np.outer(pace, way)
+
+
+def resting(position: Array, rotation: Array, span: float = 1.0) -> Segment:
+    """The segment that stays in a pose."""
+    return Segment(np.asarray(span), rotation, path(position))
 
 
 SHAPES: tuple[tuple[int, ...], ...] = ((), (3, 3), (6, 4), (3,), (6,), (4,), (4,), ())  # of a segment's parts

@@ -183,7 +183,13 @@ def health(system: System) -> Array:
 
 def joint_rates(system: System) -> Array:
     """q̇_a (…, m) of the actuated joints, in the order of Γ."""
-    flat = [merged(leg.qd[..., list(leg.group.actuated)]) for leg in system.legs]
+    return actuated(system, [leg.qd for leg in system.legs])
+
+
+def actuated(system: System, joints: list[Array]) -> Array:
+    """The actuated ones (…, m), in the order of Γ, of all joints (…, L, n) by group."""
+    pairs = zip(system.legs, joints, strict=True)
+    flat = [merged(each[..., list(leg.group.actuated)]) for leg, each in pairs]
     return join([np.zeros(0), *flat])[..., system.mechanism.force_order]
 
 

@@ -9,12 +9,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.analysis.health import check_health, check_state
-from parflex.base.array import Array
+from parflex.base.array import Array, split
 from parflex.compiled import choose
 from parflex.compiled.functions import Functions
+from parflex.kernels import joints as kernels
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.flat_state import flat_state, state_of
 from parflex.mechanics.mechanism import Mechanism, mechanism_of
+from parflex.mechanics.ordering import Joints
 from parflex.mechanics.system import System, examined, joint_accelerations
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
@@ -73,6 +75,14 @@ def made(robot: Robot, backend: str, parameters: Sequence[str]) -> Core:
     """The core of a robot; raises InputError for an unknown backend or parameter."""
     mechanism = mechanism_of(robot)
     return Core(mechanism, Functions(mechanism, choose(backend), Parameters(robot, parameters)))
+
+
+def joints_at(core: Core, state: State) -> Joints:
+    """Positions and rates of the legs' joints at a state; raises as `Core.system`."""
+    found = core.functions(kernels.joints).run(x=core.flat(state))
+    check_health(core.mechanism, found["health"])
+    counts = [(len(leg.joints),) for leg in core.robot.legs]
+    return Joints(*(tuple(split(found[name], counts)) for name in ("q", "qd")))
 
 
 class HasCore(Protocol):

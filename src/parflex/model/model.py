@@ -15,12 +15,12 @@ from parflex.kernels import jacobians
 from parflex.kernels import models as kernels
 from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
-from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows, joints_of
+from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import examined, joint_reactions
 from parflex.mechanics.wrench import places_of
 from parflex.model import inputs
-from parflex.model.core import legs_moved, made
+from parflex.model.core import joints_at, legs_moved, made
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Values, Wrenches
 from parflex.model.renamed import renamed
@@ -195,7 +195,7 @@ class Model:
 
     def joints(self, state: State) -> Joints:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return joints_of(self._core.system(state))
+        return joints_at(self._core, state)
 
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Wrenches = ()

@@ -12,7 +12,7 @@ from parflex.base.array import Array
 from parflex.base.check import all_of_type, exactly, finite, rotation_matrix, scalar
 from parflex.base.errors import InputError
 from parflex.base.held import Given
-from parflex.kernels.segment import Sample, Segment, along
+from parflex.kernels.segment import Sample, Segment, along, resting
 from parflex.robot.fields import check_fields, exact, held
 from parflex.robot.state import State
 from parflex.robot.words import counted, listed
@@ -120,8 +120,11 @@ class Trajectory:
 
     def at(self, time: Array) -> Sample:
         """As `sample`; the times are not checked."""
-        number = self.starts.searchsorted(time, side="right") - 1
-        return along(self.segments[number], time)
+        return along(self.rows(time), time)
+
+    def rows(self, time: Array) -> Array:
+        """(…, SEGMENT), what `along` reads at times (…,)."""
+        return self.segments[self.starts.searchsorted(time, side="right") - 1]
 
     @cached_property
     def starts(self) -> Array:
@@ -140,7 +143,7 @@ class Trajectory:
         moving = [each for move, pose in zip(self.moves, poses, strict=False) for each in move.segments(pose)]
         begin = self.rest[0] + np.cumsum([0.0, *(each.span for each in moving)])
         placed = [each._replace(start=start) for each, start in zip(moving, begin, strict=False)]
-        return (poses[0].resting(), *placed, poses[-1].resting()._replace(start=begin[-1]))
+        return (resting(*poses[0]), *placed, resting(*poses[-1])._replace(start=begin[-1]))
 
     @property
     def still(self) -> bool:

@@ -101,7 +101,7 @@ class JointPD(Controller):
         of_type("JointPD.reference", self.reference, State)
         if self.reference.batch:
             raise InputError(f"JointPD.reference is a batch {self.reference.batch}; give one state")
-        self.model.joints(self.reference)
+        core_of(self.model).system(self.reference)
         for name in ("kp", "kd", "forces"):
             value = finite(f"JointPD.{name}", getattr(self, name))
             if value.shape not in ((), (m,)):

@@ -10,9 +10,9 @@ from parflex.base.array import Array, cross
 from parflex.base.check import POSITIVE
 from parflex.base.errors import InputError
 from parflex.base.held import Given, Held
-from parflex.kernels.segment import Segment
+from parflex.kernels.segment import CONSTANT, Segment, resting
 from parflex.robot.words import listed
-from parflex.simulation.moves.move import CONSTANT, Move, Pose, entry
+from parflex.simulation.moves.move import Move, Pose, entry
 
 STEADY = np.array([0.0, 1.0, 0.0, 0.0, 0.0, 0.0])
 ENTERING = np.array([0.0, 0.0, 0.0, 1.0, -0.5, 0.0])  # ∫ 3 τ² − 2 τ³, the growing rate
@@ -81,9 +81,9 @@ class Circle(Move):
             (steady, gained * CONSTANT + 2 * np.pi * self.frequency * steady * STEADY),
             (self.ramp, last * CONSTANT + 2 * gained * (STEADY - ENTERING)),
         ]
-        resting = start.resting()
+        still = resting(*start)
         return [
-            resting._replace(span=np.asarray(span), phase=phase, versine=inward, sine=ahead)
+            still._replace(span=np.asarray(span), phase=phase, versine=inward, sine=ahead)
             for span, phase in phases
             if span > SHORT * self.duration
         ]

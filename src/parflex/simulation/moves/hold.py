@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from parflex.base import kinds
 from parflex.base.check import POSITIVE
-from parflex.kernels.segment import Segment
+from parflex.kernels.segment import Segment, resting
 from parflex.simulation.moves.move import Move, Pose, entry
 
 
@@ -21,4 +21,4 @@ class Hold(Move):
     duration: float = entry(kinds.TIME, "how long it rests", POSITIVE)
 
     def segments(self, start: Pose) -> list[Segment]:
-        return [start.resting(self.duration)]
+        return [resting(*start, self.duration)]

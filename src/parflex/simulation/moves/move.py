@@ -8,17 +8,12 @@ from abc import ABC, abstractmethod
 from dataclasses import MISSING, field
 from typing import Any, ClassVar, NamedTuple
 
-import numpy as np
-
 from parflex.base.array import Array
 from parflex.base.check import Rule, scalar
 from parflex.base.kinds import Kind
-from parflex.kernels.segment import STILL, Segment, along
+from parflex.kernels.segment import Segment, along
 from parflex.robot.fields import about, check_fields, exact, optional
 from parflex.robot.words import told
-
-NONE = np.zeros(6)
-CONSTANT = np.eye(6)[0]  # the polynomial 1
 
 
 class Pose(NamedTuple):
@@ -26,10 +21,6 @@ class Pose(NamedTuple):
 
     position: Array  # (3,) m
     rotation: Array  # (3, 3)
-
-    def resting(self, span: float = 1.0) -> Segment:
-        """The segment that stays here."""
-        return Segment(np.asarray(span), self.rotation, path(self.position))
 
 
 class Move(ABC):
@@ -66,8 +57,3 @@ def entry(
     form = exact(shape) if shape else scalar
     form = optional(form) if default is None else form
     return field(default=default, metadata=about(form, kind=kind, words=words, rule=rule, shape=shape))
-
-
-def path(position: Array, way: Array = STILL, pace: Array = NONE) -> Array:
-    """(6, 4) of a segment: from a position along a way (line 3, angle 1), by the polynomial `pace` (6,)."""
-    return np.outer(CONSTANT, [*position, 0.0]) + np.outer(pace, way)

@@ -8,9 +8,9 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import POSITIVE, scalar, single_rotation
 from parflex.base.held import Held
-from parflex.kernels.segment import Segment
+from parflex.kernels.segment import Segment, path
 from parflex.robot.fields import about, exact, held, optional
-from parflex.simulation.moves.move import Move, Pose, path
+from parflex.simulation.moves.move import Move, Pose
 
 QUINTIC = np.array([0.0, 0.0, 0.0, 10.0, -15.0, 6.0])  # 10 τ³ − 15 τ⁴ + 6 τ⁵
 
