@@ -6,7 +6,7 @@ from parflex.base.array import Array, split
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
-from parflex.kernels.segment import SEGMENT, along
+from parflex.kernels.segment import SEGMENT, along, resting
 from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.derivatives.joint_tangent import joint_tangent
@@ -14,7 +14,6 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.wrench import Place
 from parflex.robot.layout import Coordinates
 from parflex.simulation.laws.joint_pd import joints_ahead
-from parflex.simulation.moves import Pose
 
 
 def servo(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
@@ -55,7 +54,7 @@ def servo_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 
 def example_row(mechanism: Mechanism, gains: int) -> Array:
     """A row that rests at home, with so many gains for each actuator."""
-    still = Pose(*map(np.asarray, mechanism.robot.home_pose)).resting().row
+    still = resting(*map(np.asarray, mechanism.robot.home_pose)).row
     bend, kept = np.zeros(2 * mechanism.platform.modes), np.ones(gains * mechanism.n_forces)
     return np.concatenate([still, [0.0, 1.0], bend, kept])
 
