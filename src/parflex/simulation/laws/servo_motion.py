@@ -54,9 +54,9 @@ def servo_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 
 def example_row(mechanism: Mechanism, gains: int) -> Array:
     """A row that rests at home, with so many gains for each actuator."""
-    still = resting(*map(np.asarray, mechanism.robot.home_pose)).row
+    home = mechanism.robot.home
     bend, kept = np.zeros(2 * mechanism.platform.modes), np.ones(gains * mechanism.n_forces)
-    return np.concatenate([still, [0.0, 1.0], bend, kept])
+    return np.concatenate([resting(home.position, home.rotation).row, [0.0, 1.0], bend, kept])
 
 
 def parted(mechanism: Mechanism, row: Array) -> list[Array]:
