@@ -30,12 +30,13 @@ def recorded(model_of):
     """The dataset of two states, with more variables than usual."""
     model = model_of(2, "numpy")
     state, forces = model.equilibrium(*model.robot.home_pose)
-    law = pf.JointPD(model, state, 0.0, 0.0, forces).bind(model, Loads(model, ()))
+    control = pf.JointPD(model, state, 0.0, 0.0, forces)
+    law = control.bind(model, Loads(model, ()))
     states = [state, pf.State(state.position, state.rotation, (3.0, 4, 0, 0, 0, 0), state.elastic)]
     y = np.array([np.append(core_of(model).flat(each), np.zeros(WORKS)) for each in states])
     run = Run(TIMES[:2], [y], TIMES[1], done=2)
     replay = law.replay(run.t, run.x)
-    return record(model, run, replay, None, {}, variables=(*ALL_VARIABLES, SPEED, NOTHING))
+    return record(model, run, replay, control, {}, variables=(*ALL_VARIABLES, SPEED, NOTHING))
 
 
 def test_another_variable_is_recorded(recorded):

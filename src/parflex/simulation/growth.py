@@ -15,6 +15,7 @@ from parflex.simulation.observers import Advance, Observer
 FAR = 0.5  # of the platform's size: a deformation at an attachment that no linear body has
 NOTED = 0.01  # of it: a deformation that can put a leg out of its reach
 TAKEN_OVER = 10.0  # elastic energy over the largest of all else that was seen before
+OUTGROWN = 1e3  # elastic energy over its median up to then
 PART = 1e6  # the part of the last energy from which its growth is told
 
 
@@ -37,9 +38,9 @@ class Growth(Observer):
             advance.stopped = self.diagnosis() or advance.stopped
 
     def diagnosis(self) -> str:
-        if self._deformation() < NOTED or self._elastic[-1] < TAKEN_OVER * (self._other + self._elastic[0]):
+        last, usual = self._elastic[-1], float(np.median(self._elastic))
+        if self._deformation() < NOTED or last < max(TAKEN_OVER * self._other, OUTGROWN * usual):
             return ""
-        last = self._elastic[-1]
         before = max(i for i, energy in enumerate(self._elastic) if i == 0 or energy < last / PART)
         span = duration(self._t[-1] - self._t[before])
         return (

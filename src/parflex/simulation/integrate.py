@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.errors import InputError
+from parflex.base.errors import InputError, OutOfReach, SingularPose
 from parflex.robot.layout import Layout
 from parflex.simulation.laws.law import WORKS
 from parflex.simulation.observers import DIVERGES, Advance, Observer
@@ -90,21 +90,26 @@ def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: S
             run.take(advance)
     except Stuck:
         assert stepper is not None
-        explained = first(observer.explain() for observer in observers)
-        run.stop(diagnosis(observers) or str(stepper.refused or explained or DIVERGES))
+        refused = stepper.refused
+        explained = str(refused or first(observer.explain() for observer in observers) or DIVERGES)
+        run.stop(diagnosis(observers, refused) or explained)
     except (Exception, KeyboardInterrupt) as error:  # what others raise must not cost what was reached
         if stepper is None and isinstance(error, InputError):
             raise
-        cause = diagnosis(observers) if isinstance(error, InputError) else ""
-        if cause:
+        if cause := diagnosis(observers, error):
             run.stop(cause)
         else:
             run.fail(error)
     return run
 
 
-def diagnosis(observers: Sequence[Observer]) -> str:
-    """The cause that an observer knows of a run's end; empty where none does."""
+def diagnosis(observers: Sequence[Observer], error: BaseException | None) -> str:
+    """The cause that an observer knows behind what ended a run; empty where none does.
+
+    Errors other than those of poses are causes themselves.
+    """
+    if error is not None and not isinstance(error, (OutOfReach, SingularPose)):
+        return ""
     return first(observer.diagnosis() for observer in observers)
 
 

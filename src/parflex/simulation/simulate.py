@@ -119,7 +119,7 @@ def observers_of(core: Core, law: BoundLaw, times: Array, bar: Progress) -> list
         found.append(Closure(core))
     if watch is not None:
         found.append(Singularities(watch, core.mechanism.layout.size))
-    if core.mechanism.platform.modes:
+    if core.mechanism.platform.modes and len(core.mechanism.attachments):
         found.append(Growth(core, law))
     crawl = Crawl(times[0], times[-1], watch.explain if watch is not None else lambda: "")
     return [*found, crawl, Bar(bar, times[0])]

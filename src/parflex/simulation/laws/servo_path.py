@@ -43,7 +43,7 @@ def bend_at(core: Core, way: Trajectory, time: float) -> Array:
 
 @contextmanager
 def told_at(time: float) -> Iterator[None]:
-    """What is refused within is told with the time on the trajectory."""
+    """An error within is told with the time on the trajectory."""
     try:
         yield
     except InputError as error:
