@@ -156,6 +156,11 @@ CASES = {
         "start is \"there\"; expected 'equilibrium' or",
     ),
     "degrees without a unit": (GOOD.replace('"10 deg"', "10"), 7, 'write degrees as "30 deg"'),
+    "no rotation": (
+        GOOD.replace('[0, "10 deg", 0]', "[[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
+        7,
+        "move[0].rotation is not a rotation",
+    ),
     "hertz": (GOOD.replace("[20,", '["20 Hz",'), 16, "which leaves open what is counted"),
     "a robot": ('format = "parflex-robot-1"\n[home]\n', 1, 'format is "parflex-robot-1"; expected'),
     "a controller of another kind": (

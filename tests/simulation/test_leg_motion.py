@@ -121,6 +121,19 @@ def test_angles_do_not_jump():
     assert relative(np.cos(constant - by), np.ones(6)) <= SAME
 
 
+@pytest.mark.parametrize("branch", [-1.0, 1.0])
+def test_branches_that_a_state_names(branch):
+    """Cranks without a posture start where the state has them, and go on from there."""
+    legs = tuple(replace(leg, posture=None) for leg in robot("6-RUS").legs)
+    m = pf.Model(replace(robot("6-RUS"), legs=legs), "numpy")
+    core = core_of(m)
+    x = core.flat(robot("6-RUS").home)
+    start = core.state(np.append(x[: core.mechanism.layout.at.branches.start], branch * np.ones(6)))
+    found = pf.leg_motion(m, way("6-RUS"), [0.0, 0.2], state=start)
+    assert relative(found.positions[0], actuated(m.robot, start.joints)) <= SAME
+    assert np.max(np.abs(found.positions[1] - found.positions[0])) > 1e-3
+
+
 def crooked(alpha: float) -> pf.Robot:
     """The paper's robot with universal joints askew, whose inverse geometry has no closed form."""
     straight, legs = robot("Gough-Stewart"), []
@@ -136,10 +149,11 @@ def test_joints_that_are_carried():
     """Legs solved by Newton's method: the slider is as long as the straight one, whatever leads to it."""
     t, m = inside("Gough-Stewart", 12), pf.Model(crooked(0.2), "numpy")
     assert core_of(m).mechanism.layout.carried == 18
-    found = pf.leg_motion(m, way("Gough-Stewart"), t)
     expected = pf.leg_motion(model("Gough-Stewart"), way("Gough-Stewart"), t)
-    for a, b in zip(found, expected, strict=True):
-        assert relative(a, b) <= 1e-9
+    home = replace(m.robot.home, joints=m.joints(m.robot.home).q)
+    for state in (None, home):
+        for a, b in zip(pf.leg_motion(m, way("Gough-Stewart"), t, state=state), expected, strict=True):
+            assert relative(a, b) <= 1e-9
 
 
 def test_no_instants():

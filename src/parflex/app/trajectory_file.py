@@ -7,6 +7,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from parflex.app.trajectory_schema import MoveTable, PlanTable, trajectory_table
+from parflex.base.check import single_rotation
 from parflex.files.reading import Reader
 from parflex.files.tables import Table, rotation_of
 from parflex.model.model import Model
@@ -66,7 +67,8 @@ def move_of(plan: Plan, move: MoveTable, start: Pose) -> Move:
         [kind] = [kind for kind in plan.moves if kind.word == word]
         value, made = getattr(move, word), cast(Any, kind)
         return cast(Move, made(**dict(value)) if isinstance(value, Table) else made(value))
-    turned = Rotation.from_matrix(rotation_of(move.rotation)) * Rotation.from_matrix(start.rotation)
+    turn = single_rotation("rotation", rotation_of(move.rotation))
+    turned = Rotation.from_matrix(turn) * Rotation.from_matrix(start.rotation)
     place = start.position + np.array(move.position)
     return MoveTo(place, turned.as_matrix(), duration=cast(float, move.duration))
 

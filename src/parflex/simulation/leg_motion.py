@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.analysis.health import check_finite, check_health, single
-from parflex.base.array import Array
+from parflex.base.array import Array, join
 from parflex.base.check import finite, of_type
 from parflex.base.errors import InputError
 from parflex.kernels import joints as kernels
 from parflex.kernels.kernel import Vectors
-from parflex.kernels.segment import along
+from parflex.kernels.segment import Sample, along
 from parflex.mechanics.mechanism import Mechanism
 from parflex.model.core import Core, core_of
 from parflex.model.model import Model
@@ -36,7 +36,7 @@ def leg_motion(
 
     The platform is bent as in `state` and at rest in its bend, by default undeformed. Legs with two
     branches stand on those that the state names, and joints that are carried are looked for from its own.
-    Angles are continuous in t, where there are several instants in half a turn.
+    Its pose is not looked at. Angles are continuous in t, where it has several instants in half a turn.
 
     A robot of fewer than six freedoms needs a trajectory that its legs allow. Accelerations of joints that
     are carried are those of least squares at the tips; they are exact where the closure holds.
@@ -67,11 +67,9 @@ def leg_motion(
 
 def moved(core: Core, trajectory: Trajectory, t: Array, like: State) -> Vectors:
     """The answers of the kernel at times (T,), checked."""
-    rows = trajectory.rows(t)
-    x = core.flat(like)
+    rows, x = trajectory.rows(t), core.flat(like)
     if core.mechanism.layout.carried:
-        sample = along(rows, t)
-        x = core.flat(State(*sample[:3], like.elastic, joints=like.joints))
+        x = carrying(core, along(rows, t), like)
     found = core.functions(kernels.leg_motion)(x=x, time=t[:, None], row=rows)
     try:
         check_health(core.mechanism, found["health"])
@@ -80,6 +78,15 @@ def moved(core: Core, trajectory: Trajectory, t: Array, like: State) -> Vectors:
             check_at(core.mechanism, time, health)
     check_finite(found["accelerations"])
     return found
+
+
+def carrying(core: Core, wanted: Sample, like: State) -> Array:
+    """The flat states (T, size) of a motion: carried joints found from those of a state, on its branches."""
+    layout, branches = core.mechanism.layout, core.mechanism.layout.at.branches
+    given = like.joints and [q if n else None for q, n in zip(like.joints, layout.joints, strict=True)]
+    pose = wanted.position, wanted.rotation, wanted.twist
+    x = core.flat(State(*pose, like.elastic, joints=given))
+    return join([x[..., : branches.start], core.flat(like)[branches]])
 
 
 def continuous(mechanism: Mechanism, q: Array) -> Array:
