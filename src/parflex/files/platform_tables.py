@@ -9,7 +9,6 @@ import numpy as np
 
 from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
-from parflex.fe.modal_file import load_body
 from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
 from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
@@ -67,6 +66,8 @@ def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
 
 def from_modal_file(table: ModalTable, folder: Path) -> FlexibleBody:
     """The body that parflex stored."""
+    from parflex.fe.modal_file import load_body
+
     return load_body(folder / table.file)
 
 
