@@ -1,39 +1,72 @@
 """Platforms from their tables, and a rigid platform's table from its moments."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from parflex.base.array import outer
+from parflex.base.errors import InputError
 from parflex.fe.modal_file import load_body
-from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
+from parflex.files.platform_schema import (
+    DiscTable,
+    ImportedTable,
+    MeshedTable,
+    ModalTable,
+    PolygonTable,
+    RigidTable,
+    SolidTable,
+)
 from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
+from parflex.robot.material import Material
+
+if TYPE_CHECKING:
+    from parflex.fe import SolidMesh
+
+
+JOINT = re.compile(r"\bjoint (\d+)")
 
 
 def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
     """A plate with computed modes, held at its corners or at the points named."""
     from parflex.fe import modes, plate_body, plate_modes
 
-    section = (table.thickness, table.young, table.poisson, table.density)
-    points = None if table.attachments is None else [(x, y, 0.0) for x, y in table.attachments]
+    plate: dict[str, Any] = {"material": table.made_of, "points": table.attachments}
+    plate |= {} if table.refine is None else {"refine": table.refine}
     if table.modes is None:
-        options = {} if table.refine is None else {"refine": table.refine}
-        found = modes(plate_body(table.corners, *section, **options), points)
-        return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
-    found = plate_modes(table.corners, *section, table.modes, table.refine)
-    return FlexibleBody.from_modes(found, points, origin=table.origin, damping_ratio=table.damping_ratio)
+        found = modes(plate_body(table.corners, table.thickness, **plate))
+    else:
+        found = plate_modes(table.corners, table.thickness, n_modes=table.modes, **plate)
+    return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
 
 
 def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
     """A solid with computed modes, held at patches of its surface."""
-    from parflex.fe import Material, mesh_from, modes, solid_body
+    from parflex.fe import mesh_from
 
-    mesh = mesh_from(folder / table.file, table.unit, table.size)
-    body = solid_body(mesh, Material(table.young, table.poisson, table.density))
+    made_of = table.made_of
+    return from_solid(table, mesh_from(folder / table.file, table.unit, table.size), made_of)
+
+
+def from_disc(table: DiscTable, folder: Path) -> FlexibleBody:
+    """A disc or ring with computed modes, held at patches of its surface."""
+    from parflex.fe import outline_mesh
+
+    made_of = table.made_of
+    holes = [] if table.bore is None else [(0.0, 0.0, table.bore / 2)]
+    outline = (0.0, 0.0, table.diameter / 2)
+    return from_solid(table, outline_mesh(outline, table.thickness, holes, size=table.size), made_of)
+
+
+def from_solid(table: MeshedTable, mesh: "SolidMesh", made_of: Material) -> FlexibleBody:
+    """A mesh with computed modes, held as its table says."""
+    from parflex.fe import modes, solid_body
+
+    body = solid_body(mesh, made_of)
     places = (table.attachments, table.tool, table.radius)
     found = modes(body, *places, n=table.modes)
     return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
@@ -70,6 +103,7 @@ def from_modal_file(table: ModalTable, folder: Path) -> FlexibleBody:
 BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
     RigidTable: from_inertia,
     PolygonTable: from_polygon,
+    DiscTable: from_disc,
     SolidTable: from_mesh,
     ImportedTable: from_program,
     ModalTable: from_modal_file,
@@ -77,8 +111,15 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 
 
 def platform(table: Table, folder: Path) -> FlexibleBody:
-    """The platform of a table; files are relative to `folder`."""
-    return BUILDERS[type(table)](table, folder)
+    """The platform of a table; files are relative to `folder`.
+
+    Raises InputError in which joints are attachments, counted from 0 as the file does.
+    """
+    try:
+        return BUILDERS[type(table)](table, folder)
+    except InputError as error:
+        words = JOINT.sub(lambda found: f"attachments[{int(found[1]) - 1}]", str(error))
+        raise type(error)(words) from None
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

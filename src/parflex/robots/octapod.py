@@ -7,20 +7,20 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import tube
-from parflex.robots.materials import STEEL
 from parflex.robots.rings import plate, ring, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.70, 0.45  # m
 BASE = (-12, 12, 78, 102, 168, 192, 258, 282)  # degrees: the universal joints
 PLATFORM = (-30, 30, 60, 120, 150, 210, 240, 300)  # degrees: the corners of the plate
 HOME = (0.0, 0.0, 0.85)  # m
-PLATE: dict[str, Any] = {"thickness": 10e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 10e-3, "material": "steel"}
 
-CYLINDER = tube(STEEL["density"], 0.035, (0, 0, 0), (0, -0.55, 0), bore=0.028)
-PISTON = tube(STEEL["density"], 0.014, (0, 0, -0.55), (0, 0, 0))
+CYLINDER = tube(named("steel").density, 0.035, (0, 0, 0), (0, -0.55, 0), bore=0.028)
+PISTON = tube(named("steel").density, 0.014, (0, 0, -0.55), (0, 0, 0))
 ROTOR = 8.0  # kg, of the motor behind its screw
 
 # the cross, of no mass; the cylinder along −y2; the piston, from its tip down

@@ -8,10 +8,10 @@ from parflex.base.array import Array
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import box, tube
-from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import plate, ring
 
 RAILS = (-0.45, -0.45, 0.0, 0.0, 0.45, 0.45)  # m: y of the rail of each leg
@@ -21,10 +21,10 @@ PLATFORM = (70, 110, 190, 230, 310, 350)  # degrees: the corners of the plate
 CORNER = (2, 5, 3, 4, 1, 0)  # the corner that each leg holds
 ROD = 0.8  # m
 HOME = (0.0, 0.0, 0.48)  # m over the rails, which lie along x
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
-CARRIAGE = box(ALUMINIUM["density"], (0.08, 0.04, 0.12))
-ROD_LINK = tube(CARBON["density"], 0.014, (0, 0, 0), (ROD, 0, 0), bore=0.012)
+CARRIAGE = box(named("aluminium").density, (0.08, 0.04, 0.12))
+ROD_LINK = tube(named("CFRP quasi-isotropic").density, 0.014, (0, 0, 0), (ROD, 0, 0), bore=0.012)
 
 # the carriage along its rail, y1 upwards; the cross, of no mass; the rod along x3
 JOINTS = (

@@ -7,18 +7,18 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import tube
-from parflex.robots.materials import STEEL
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
 HOME = (0.0, 0.0, 0.65)  # m
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
-CYLINDER = tube(STEEL["density"], 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
-PISTON = tube(STEEL["density"], 0.012, (0, 0, -0.40), (0, 0, 0))
+CYLINDER = tube(named("steel").density, 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
+PISTON = tube(named("steel").density, 0.012, (0, 0, -0.40), (0, 0, 0))
 ROTOR = 4.0  # kg, of the motor behind its screw
 
 # the cylinder on its hinge, which lies along the base circle; the piston, from its tip down
