@@ -44,12 +44,15 @@ if TYPE_CHECKING:
         InverseJacobian as InverseJacobian,
         Reactions as Reactions,
     )
+    from parflex.robot.bar import Bar as Bar
     from parflex.robot.body import FlexibleBody as FlexibleBody
     from parflex.robot.leg import Joint as Joint, Leg as Leg, Tip as Tip
     from parflex.robot.modes import Modes as Modes
     from parflex.robot.moments import Moments as Moments
+    from parflex.robot.payload import Payload as Payload
     from parflex.robot.robot import Robot as Robot
     from parflex.robot.state import State as State
+    from parflex.robot.strut import Strut as Strut
     from parflex.robot.wrench import Wrench as Wrench
     from parflex.simulation.laws.computed_torque import ComputedTorque as ComputedTorque
     from parflex.simulation.laws.controller import Controller as Controller
@@ -78,12 +81,15 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "model.flat": "Compiled",
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
+    "robot.bar": "Bar",
     "robot.body": "FlexibleBody",
     "robot.leg": "Joint Leg Tip",
     "robot.modes": "Modes",
     "robot.moments": "Moments",
+    "robot.payload": "Payload",
     "robot.robot": "Robot",
     "robot.state": "State",
+    "robot.strut": "Strut",
     "robot.wrench": "Wrench",
     "simulation.laws.computed_torque": "ComputedTorque",
     "simulation.laws.controller": "Controller",

@@ -25,11 +25,11 @@ def leg_rows(file: "RobotFile") -> Rows:
     groups = mechanism_of(file.robot).groups
     kinds = {number: group.type.name for group in groups for number in group.legs}
     rows: Rows = []
-    for number, (leg, row) in enumerate(zip(file.robot.legs, file.table.leg, strict=True)):
+    for number, (leg, chain) in enumerate(zip(file.robot.legs, file.table.chains, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)
         mass = sum(joint.M for joint in leg.joints)
         rows.append(
-            (str(number + 1), row.chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
+            (str(number + 1), chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
         )
     return rows
 

@@ -19,3 +19,4 @@ class Held(Protocol[Giving, Holding]):
 
 
 Given: TypeAlias = Held[ArrayLike, Array]  # takes anything array-like, holds a checked float array
+MaybeGiven: TypeAlias = Held[ArrayLike | None, Array | None]  # may be missing

@@ -41,8 +41,8 @@ def usual(name: str, value: ArrayLike, kind: Kind) -> None:
     numbers = array[np.isfinite(array)]
     if numbers.size and np.abs(numbers).max() > kind.most:
         worst = float(numbers[np.abs(numbers).argmax()])
-        meant = f'give {worst * kind.factor:.6g} {kind.unit}, in files "{worst:.6g} {kind.slip}"'
-        doubt(f"{name} is {worst:.6g} {kind.unit}, {kind.beyond}; if it is in {kind.slip}, {meant}")
+        meant = f'give {worst * kind.factor:.10g} {kind.unit}, in files "{worst:.10g} {kind.slip}"'
+        doubt(f"{name} is {worst:.10g} {kind.unit}, {kind.beyond}; if it is in {kind.slip}, {meant}")
 
 
 def depth() -> int:

@@ -7,7 +7,8 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from parflex.base.errors import InputError
-from parflex.files.tables import THREE, Inertia, Measure, Point, Table, Whole, inertia_of
+from parflex.files.described import entry, values_of
+from parflex.files.tables import Point, Table, Whole
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint
 
@@ -46,9 +47,7 @@ class Prismatic(JointTable):
 
 def joint_table(kind: type[JointTable], joint: type[Joint]) -> type[JointTable]:
     """The table of a revolute or prismatic joint, with an entry for each field of the joint's class."""
-    entries: dict[str, Any] = {
-        column.file: type_and_default(column, kind.sigma) for column in in_files(joint).values()
-    }
+    entries: dict[str, Any] = {column.file: entry(column, kind.sigma) for column in in_files(joint).values()}
     made: type[JointTable] = create_model(kind.__name__, __base__=kind, __doc__=kind.__doc__, **entries)
     made.joint = joint
     return made
@@ -59,32 +58,13 @@ def in_files(joint: type[Joint]) -> dict[str, Column]:
     return {name: column for name, column in described(joint).items() if column.file}
 
 
-def type_and_default(column: Column, sigma: int) -> tuple[Any, Any]:
-    """Type and default of an entry; None stands for the default that the joint itself has."""
-    assert column.kind is not None
-    number: Any = Annotated[float, Measure(column.kind.of(sigma), column.rule)]
-    vector: Any = Annotated[list[number], THREE]
-    given: tuple[Any, Any] = {
-        (): (number, column.default),
-        (3,): (vector | None, None),
-        (3, 3): (Inertia, [0.0] * 6),
-    }[column.shape]
-    if column.shape == () and np.isinf(column.default):
-        given = (number | None, None)
-    return given[0], Field(given[1], description=column.words)
-
-
 def joint_of(table: JointTable, before: int) -> Joint:
     """The joint of a table, with `before` joints before it."""
-    given: dict[str, Any] = {}
-    for name, column in in_files(table.joint).items():
-        value = getattr(table, column.file)
-        if value is not None:
-            given[name] = inertia_of(value) if column.shape == (3, 3) else value
+    given = values_of(table.joint, table)
     if table.com is not None:
         given["MS"] = given["M"] * np.array(table.com)
-    antecedent = before if table.antecedent is None else table.antecedent
-    return table.joint(antecedent, table.sigma, int(table.actuated), **given)
+    given["antecedent"] = before if table.antecedent is None else table.antecedent
+    return table.joint(**given | {"sigma": table.sigma, "mu": int(table.actuated)})
 
 
 def joint_entries(joint: Joint, before: int) -> dict[str, Any]:

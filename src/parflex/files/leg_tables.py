@@ -10,25 +10,30 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.kinds import POSITION
 from parflex.base.nearest import nearest
+from parflex.files.described import built
 from parflex.files.joint_table import JointTable, joint_of
-from parflex.files.leg_schema import ChainTable, LegTable, TipTable
+from parflex.files.leg_schema import AnyChainTable, ChainTable, KindTable, LegTable, TipTable
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
 from parflex.files.tables import rotation_of
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robots.legs import ALL_LEG_KINDS
 
 
 class Parts(NamedTuple):
     """The joints and tips that the legs of a chain have in common."""
 
     name: str
-    table: ChainTable
+    table: AnyChainTable
     joints: tuple[Joint, ...]
     tips: tuple[Tip, ...]
 
 
-def chain_parts(reader: Reader, name: str, table: ChainTable) -> Parts | None:
+def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None:
     """Joints and tips of a chain; None where there are complaints about its joints."""
+    if isinstance(table, KindTable):
+        return kind_parts(reader, name, table)
+    assert isinstance(table, ChainTable)
     joints: tuple[Joint, ...] = ()
     for number, row in enumerate(table.joints):
         more = reader.attempt(("chain", name, "joints", number), grown, joints, row)
@@ -37,6 +42,14 @@ def chain_parts(reader: Reader, name: str, table: ChainTable) -> Parts | None:
         joints = more
     tips = [reader.attempt(("chain", name, "tips", i), tip, joints, row) for i, row in enumerate(table.tips)]
     return Parts(name, table, joints, tuple(found for found in tips if found is not None))
+
+
+def kind_parts(reader: Reader, name: str, table: KindTable) -> Parts | None:
+    """Joints and tips of a chain that is given by its kind."""
+    [kind] = [each for each in ALL_LEG_KINDS if each.word == table.type]
+    leg = built(reader, ("chain", name), kind, table)
+    both = leg and reader.attempt(("chain", name), lambda: (leg.joints, leg.tips))
+    return both and Parts(name, table, *both)
 
 
 def grown(joints: tuple[Joint, ...], row: JointTable) -> tuple[Joint, ...]:
@@ -92,17 +105,17 @@ def posture_of(known: Parts, given: Sequence[Any] | None) -> Array | None:
     """Joint values (n,) in rad and m, by the joints' types."""
     if given is None:
         return None
-    rows = known.table.joints
-    if len(given) != len(rows):
-        raise InputError(f"posture has {len(given)} entries; give one for each of the {len(rows)} joints")
+    joints = known.joints
+    if len(given) != len(joints):
+        raise InputError(f"posture has {len(given)} entries; give one for each of the {len(joints)} joints")
     return np.array(
-        [posture_value(j, value, row) for j, (value, row) in enumerate(zip(given, rows, strict=True))]
+        [posture_value(j, value, joint) for j, (value, joint) in enumerate(zip(given, joints, strict=True))]
     )
 
 
-def posture_value(number: int, value: Any, row: JointTable) -> float:
+def posture_value(number: int, value: Any, joint: Joint) -> float:
     """One joint value of a posture."""
     try:
-        return convert(value, POSITION.of(row.sigma))
+        return convert(value, POSITION.of(joint.sigma))
     except InputError as error:
         raise InputError(f"posture[{number}] {error}") from None

@@ -38,7 +38,9 @@ class RigidTable(Table):
     inertia: Inertia | None = Field(None, description="about the centre of mass: XX YY ZZ XY XZ YZ")
     first_moment: Moments3 | None = Field(None, description="∫ r dm, with second_moment")
     second_moment: Seconds3x3 | None = Field(None, description="∫ r rᵀ dm, instead of inertia")
-    attachments: list[Point] = Field(description="the points that legs may hold")
+    attachments: list[Point] | None = Field(
+        None, description="the points that legs may hold; of a hexapod by default its joints"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> "RigidTable":
@@ -95,7 +97,9 @@ class MeshedTable(MadeTable):
     modes: Whole | None = Field(
         None, description="free-free modes beside attachment modes; by default as many as are right"
     )
-    attachments: list[Point] = Field(description="points that legs may hold, patches of the surface")
+    attachments: list[Point] | None = Field(
+        None, description="points that legs may hold, patches of the surface; a hexapod has its joints there"
+    )
     tool: Point | None = Field(None, description="a point where wrenches act")
     radius: Length | None = Field(None, description="of the patches")
 

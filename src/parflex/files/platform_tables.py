@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from parflex.base.array import outer
+from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
 from parflex.fe.modal_file import load_body
 from parflex.files.platform_schema import (
@@ -110,16 +110,35 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 }
 
 
-def platform(table: Table, folder: Path) -> FlexibleBody:
+def platform(table: Table, folder: Path, joints: Array | None = None) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
+
+    One that names no attachments has them at the joints (k, 3) m of Σp.
 
     Raises InputError in which joints are attachments, counted from 0 as the file does.
     """
+    if getattr(table, "attachments", ()) is None and not isinstance(table, PolygonTable) and joints is None:
+        raise InputError("attachments is missing; give the points that legs may hold")
+    if joints is not None and getattr(table, "attachments", ()) is None:
+        table = table.model_copy(update=at_joints(table, joints))
     try:
         return BUILDERS[type(table)](table, folder)
     except InputError as error:
         words = JOINT.sub(lambda found: f"attachments[{int(found[1]) - 1}]", str(error))
         raise type(error)(words) from None
+
+
+def at_joints(table: Table, joints: Array) -> dict[str, Any]:
+    """Attachments at joints (k, 3) m of Σp, whose z axis is the body's, and the point that is its origin: by
+    default a plate is in the plane of the joints, a disc stands on them, a solid's own frame is Σp."""
+    if isinstance(table, RigidTable):
+        return {"attachments": joints.tolist()}
+    down = {PolygonTable: joints[0, 2], SolidTable: 0.0}
+    if isinstance(table, DiscTable):
+        down[DiscTable] = joints[0, 2] + table.thickness / 2
+    origin = getattr(table, "origin", None) or [0.0, 0.0, -float(down[type(table)])]
+    held = joints + np.array(origin)
+    return {"attachments": held[:, : 2 if isinstance(table, PolygonTable) else 3].tolist(), "origin": origin}
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

@@ -20,7 +20,7 @@ from parflex.robot.fields import described
 from parflex.robot.leg import Joint
 
 MOST = 5  # complaints at once
-FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
+FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+(?:\.\w+)*)")  # 'Leg.rotation is …' is about the field rotation
 IN_FILES = {name: column.file for name, column in described(Joint).items() if column.file}
 IN_FILES |= {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # other arguments
 
@@ -87,11 +87,12 @@ class Reader:
     def _located(self, where: Where, words: str) -> tuple[int, str]:
         """The line and the sentence of what is said at `where`, or of the field there that it begins with."""
         field = FIELD.match(words)
-        name = IN_FILES.get(field[1], field[1]) if field else ""
-        place = reached(self._document, (*where, name))
-        named = field is not None and len(place) > len(where)
-        rest = words[field.end() :] if field and named else f": {words}"
-        return self._line(place, field_name(place if named else where) + rest)
+        steps = [IN_FILES.get(step, step) for step in field[1].split(".")] if field else []
+        place = reached(self._document, (*where, *steps))
+        if field and steps and len(place) == len(where) + len(steps):
+            return self._line(place, field_name(place) + words[field.end() :])
+        said = words[field.start(1) :] if field else words
+        return self._line(place, f"{field_name(where)}: {said}")
 
     def _told(self) -> InputError:
         """The complaints, by line, as one error."""

@@ -5,10 +5,15 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, create_model
 
 from parflex.base import kinds
-from parflex.files.leg_schema import ChainTable, LegTable, chain_table
+from parflex.files.described import entries_of, table_of
+from parflex.files.leg_schema import AnyChainTable, LegTable, chain_table
 from parflex.files.platform_schema import PlatformTable
 from parflex.files.tables import THREE, ZEROS, Measure, Point, Rotation, Table, Whole
+from parflex.files.tool_schema import SensorTable, ToolTable
 from parflex.robot.leg import Joint
+from parflex.robot.payload import Payload
+from parflex.robot.strut import Strut
+from parflex.robots.hexapod_geometry import HexapodGeometry
 
 FORMAT = "parflex-robot-1"
 
@@ -18,6 +23,20 @@ class HomeTable(Table):
 
     position: Point = Field(description="the platform frame's origin in the world, in m")
     rotation: Rotation = Field(ZEROS, description="rotation vector or matrix")
+
+
+strut: Any = table_of(Strut)
+HexapodTable: Any = create_model(
+    "HexapodTable",
+    __base__=Table,
+    __doc__="A hexapod, in the place of chains, legs and home.",
+    **entries_of(HexapodGeometry),
+    strut=(
+        strut | None,
+        Field(None, description="each of the six, with cylinder and rod; by default a usual one"),
+    ),
+)
+PayloadTable: Any = table_of(Payload)
 
 
 class RobotTable(Table):
@@ -30,10 +49,21 @@ class RobotTable(Table):
         [0.0, 0.0, -9.81], description="in the world"
     )
     mobility: Whole | None = Field(None, description="the platform's freedoms that you expect")
-    home: HomeTable = Field(description="the table [home] with position and rotation")
-    chain: dict[str, ChainTable] = Field({}, description="chains by name")
+    hexapod: HexapodTable | None = Field(None, description="a hexapod, instead of home, chain and leg")
+    home: HomeTable | None = Field(None, description="the table [home] with position and rotation")
+    chain: dict[str, AnyChainTable] = Field({}, description="chains by name")
     leg: list[LegTable] = Field([], description="legs, one [[leg]] each")
-    platform: PlatformTable = Field(discriminator="kind", description="the table [platform]")
+    platform: PlatformTable | None = Field(
+        None, discriminator="kind", description="the table [platform]; a hexapod has a disc by default"
+    )
+    payload: PayloadTable | None = Field(None, description="a rigid body on the platform")
+    tool: ToolTable | None = Field(None, description="the point of the platform that does the work")
+    sensor: dict[str, SensorTable] = Field({}, description="sensors by name")
+
+    @property
+    def chains(self) -> list[str]:
+        """The name of each leg's chain; "hexapod" for those of a hexapod."""
+        return ["hexapod"] * 6 if self.hexapod else [row.chain for row in self.leg]
 
 
 def robot_table(joint: type[Joint] = Joint) -> type[RobotTable]:

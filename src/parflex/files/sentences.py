@@ -31,7 +31,7 @@ def place(found: Mapping[str, Any], schema: Schema) -> Where:
     where: Where = found["loc"]
     if found["type"] != "union_tag_invalid":
         return where
-    return (*where, node_at(schema, where, schema)["discriminator"]["propertyName"])
+    return (*where, resolved(node_at(schema, where, schema), schema)["discriminator"]["propertyName"])
 
 
 def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
@@ -48,7 +48,7 @@ def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
         hint = f"did you mean {close}?" if close else f"known here: {', '.join(names(where, schema))}"
         return f"{field} is not known; {hint}"
     if kind in ("union_tag_not_found", "union_tag_invalid"):
-        return tag_sentence(field, value, node_at(schema, where, schema))
+        return tag_sentence(field, value, resolved(node_at(schema, where, schema), schema))
     if kind in ("too_short", "too_long"):
         wanted = f"at least {context['min_length']}" if kind == "too_short" else f"{context['max_length']}"
         return f"{field} has {context['actual_length']} entries; give {wanted}"
@@ -81,10 +81,10 @@ def likely(where: Where, schema: Schema) -> str:
 def tag_sentence(field: str, value: Any, node: Schema) -> str:
     """A table whose kind is missing or unknown: a joint without an axis."""
     rule = node["discriminator"]
-    key, choices = rule["propertyName"], " or ".join(f'"{tag}"' for tag in rule["mapping"])
+    key, choices = rule["propertyName"], " or ".join(f'"{tag}"' for tag in rule["mapping"] if tag)
     if key in value:
         return f"{field}.{key} is {shown(value[key])}; choose {choices}"
-    what = "is a joint without an axis" if key == "type" else f"has no {key}"
+    what = "is a joint without an axis" if "revolute" in rule["mapping"] else f"has no {key}"
     return f"{field} {what}; give {key} = {choices}"
 
 
@@ -109,5 +109,8 @@ def follow(node: Schema, step: str | int, root: Schema) -> Schema:
 
 
 def resolved(node: Schema, root: Schema) -> Schema:
-    """The definition a node refers to, or the node."""
+    """The definition a node refers to, or the node; of one that may be missing what it otherwise is."""
+    there = [each for each in node.get("anyOf", ()) if each != {"type": "null"}]
+    if len(there) == 1:
+        return resolved(there[0], root)
     return dict(root["$defs"][node["$ref"].rsplit("/", 1)[1]]) if "$ref" in node else node

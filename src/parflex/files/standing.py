@@ -6,6 +6,7 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.mechanics.flat_state import turned
 from parflex.model.model import Model
+from parflex.robot.joint_words import joint_value
 from parflex.robot.leg import Leg
 from parflex.robot.robot import Robot
 
@@ -27,6 +28,17 @@ def check_posture(leg: Leg, number: int, q: Array) -> None:
             f"{np.round(q, 3).tolist()} (m, rad), on another assembly branch; give joint values near those "
             f"of the branch that you want, or correct the home pose"
         )
+
+
+def check_stroke(leg: Leg, number: int, q: Array) -> None:
+    """Raise InputError where a leg, with joints q (n,) at home, is beyond the stroke of its motor."""
+    for joint, value in zip(leg.joints, q, strict=True):
+        if joint.mu and not joint.q_min <= value <= joint.q_max:
+            low, at, high = (joint_value(joint, x) for x in (joint.q_min, value, joint.q_max))
+            raise InputError(
+                f"stroke is {low} … {high}, but at home leg {number + 1} is at {at}; give limits on both "
+                f"sides of that, or another home"
+            )
 
 
 def check_mobility(robot: Robot, expected: int | None) -> None:

@@ -55,6 +55,7 @@ def several(value: Any) -> str:
 
 
 ZEROS = [0.0, 0.0, 0.0]
+TWO: Any = Field(min_length=2, max_length=2)
 THREE: Any = Field(min_length=3, max_length=3)
 
 Whole = Annotated[int, Strict(), Field(ge=0)]

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.check import Rule, exactly, finite, obeying, scalar
+from parflex.base.check import Rule, exactly, finite, integer, obeying, of_type, scalar
 from parflex.base.kinds import ByType, Kind
 from parflex.base.plausible import usual
 
@@ -34,6 +34,7 @@ class Column:
     shape: tuple[int, ...] = ()
     file: str = ""  # its name in robot files
     words: str = ""  # for those who write robot files
+    part: type | None = None  # the dataclass that it is one of, itself a table in robot files
     table: bool = False
     parameter: bool = False
     alike: bool = True
@@ -69,6 +70,37 @@ def number(
     )
 
 
+def given(
+    kind: Kind | ByType,
+    words: str,
+    rule: Rule | None = None,
+    *,
+    default: Any = MISSING,
+    shape: tuple[int, ...] = (),
+) -> Any:
+    """A field of a number, or of an array of this shape, that must be given, or may be None by default."""
+    known: dict[str, Any] = {"words": words, "kind": kind, "shape": shape, "rule": rule}
+    form = partial(absent_or, form=exact(shape) if shape else scalar)
+    return field(default=default, metadata=about(form, default=default, **known))
+
+
+def part(kind: type, words: str, default: Any = MISSING) -> Any:
+    """A field that is a dataclass of fields itself."""
+    form = partial(absent_or, form=partial(of_type, kind=kind))
+    return field(default=default, metadata=about(form, default=default, words=words, part=kind))
+
+
+def index(words: str) -> Any:
+    """A field that is a number of something, from 0, or None."""
+    form = partial(absent_or, form=integer)
+    return field(default=None, metadata=about(form, words=words))
+
+
+def absent_or(name: str, value: Any, form: Callable[[str, Any], Any]) -> Any:
+    """None, or the value as it is kept."""
+    return None if value is None else form(name, value)
+
+
 def exact(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:
     """A check for arrays of this shape."""
     return partial(exactly, shape=shape)
@@ -101,8 +133,8 @@ def check_fields(thing: Any) -> None:
     for name, column in described(kind).items():
         title = f"{kind.__name__}.{name}"
         kept = column.form(title, given[name])
-        if column.rule is not None:
+        if kept is not None and column.rule is not None:
             obeying(title, np.asarray(kept), column.rule)
         if column.kind is not None and kept is not None:
-            usual(title, kept, column.kind.of(given.get("sigma", 0)))
+            usual(title, kept, column.kind.of(getattr(thing, "sigma", 0)))
         object.__setattr__(thing, name, kept)

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, outer
+from parflex.base.array import Array, outer, skew, transpose
 from parflex.robot.words import counted
 
 
@@ -61,4 +61,16 @@ def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
         S=old.S + m * Phi.T,
         P1=old.P1 + m * outer(Phi, r),
         P2=old.P2 + m * Phi[:, None, :, None] * Phi[None, :, None, :],
+    )
+
+
+def with_body(old: Moments, m: float, c: Array, second: Array, Phi: Array, turn: Array) -> Moments:
+    """The integrals with a rigid body m whose centre of mass c (3,) is displaced by Φ (N, 3), and which is
+    turned by Θ (N, 3): with s = r − c and its `second` moment ∫ s sᵀ dm (3, 3), Φ_k(r) = Φ_k + Θ_k × s."""
+    point, turns = with_point(old, m, c, Phi), skew(turn)
+    turned = turns @ second  # ∫ (Θ_k × s) sᵀ dm
+    return point._replace(
+        P0=point.P0 + second,
+        P1=point.P1 + turned,
+        P2=point.P2 + turned[:, None] @ transpose(turns)[None],
     )

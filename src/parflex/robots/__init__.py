@@ -5,6 +5,7 @@ from parflex.robots.delta import delta
 from parflex.robots.entry import Entry
 from parflex.robots.gough_stewart import ENTRY as GOUGH_STEWART
 from parflex.robots.gough_stewart import gough_stewart
+from parflex.robots.hexapod import hexapod
 from parflex.robots.octapod import ENTRY as OCTAPOD
 from parflex.robots.octapod import octapod
 from parflex.robots.prs3 import ENTRY as PRS3
@@ -18,4 +19,15 @@ from parflex.robots.rus6 import rus6
 
 ALL_ROBOTS: tuple[Entry, ...] = (GOUGH_STEWART, RUS6, PUS6, RPS3, PRS3, DELTA, OCTAPOD)
 
-__all__ = ["ALL_ROBOTS", "Entry", "delta", "gough_stewart", "octapod", "prs3", "pus6", "rps3", "rus6"]
+__all__ = [
+    "ALL_ROBOTS",
+    "Entry",
+    "delta",
+    "gough_stewart",
+    "hexapod",
+    "octapod",
+    "prs3",
+    "pus6",
+    "rps3",
+    "rus6",
+]
