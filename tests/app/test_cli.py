@@ -27,8 +27,8 @@ def test_rigid_paper(parflex, tmp_path):
 
 def test_modes_of_a_rectangle(parflex, tmp_path):
     corners = [word for corner in ("0,0", "0.6,0", "0.6,0.4", "0,0.4") for word in ("-c", corner)]
-    code, out, err = parflex("modes", *corners, "--thickness", "0.01", "--young", "70e9", "--poisson",
-                             "0.33", "--density", "2700", "--modes", "4")  # fmt: skip
+    code, out, err = parflex("modes", *corners, "--thickness", "10 mm", "--young", "70 GPa",
+                             "--poisson", "0.33", "--density", "2.7 g/cm^3", "--modes", "4")  # fmt: skip
     assert code == 0, err
     words = " ".join(out.split())
     assert "mass │ 6.48 kg" in words
@@ -50,8 +50,7 @@ def test_modes_of_a_step_file(parflex, tmp_path):
     occ.Box((0, 0, 0), (400, 300, 20)).WriteStep("plate.step")
     joints = [word for at in ("0.04,0.04,0", "0.36,0.04,0", "0.2,0.26,0") for word in ("-a", at)]
     code, out, err = parflex("modes", "plate.step", *joints, "--tool", "0.2,0.15,0.02", "--radius", "0.04",
-                             "--size", "0.08", "--young", "70e9", "--density", "2700", "--damping",
-                             "0.01")  # fmt: skip
+                             "--size", "0.08", "--material", "aluminium", "--damping", "0.01")  # fmt: skip
     assert code == 0, err
     words = " ".join(out.split())
     assert "mass │ 6.48 kg" in words
@@ -98,12 +97,11 @@ def test_help_names_the_importers_and_their_files(parflex):
         (("paper", "--backend", "fortran"), "backend is 'fortran'"),
         (("paper", "--format", "bmp"), "--format is 'bmp'"),
         (("modes", "-c", "0;0"), "--corner is '0;0'"),
-        (("modes", "-c", "0,0", "-c", "1,0"), "polygon has 2 corners"),
-        (("modes", "--poisson", "0.7"), "poisson is 0.7"),
+        (("modes", "-c", "0,0", "-c", "1,0", "--thickness", "1 cm", "-m", "steel"), "polygon has 2 corners"),
         (("modes", "plate.step"), "--attach is not given"),
-        (("modes", "plate.vtu", "-a", "0,0,0"), "unit is not given"),
+        (("modes", "plate.vtu", "-a", "0,0,0", "-m", "steel"), "unit is not given"),
         (("modes", "plate.step", "-a", "0,0"), "--attach is '0,0'; write it as \"x,y,z\""),
-        (("modes", "none.step", "-a", "0,0,0"), "none.step cannot be read"),
+        (("modes", "none.step", "-a", "0,0,0", "-m", "steel"), "none.step cannot be read"),
     ],
 )
 def test_errors_are_one_sentence(parflex, tmp_path, words, message):

@@ -7,7 +7,8 @@ import pytest
 
 import parflex as pf
 from paper_robot import PLATE, TABLE_2, corners
-from parflex.fe.plate.argyris import argyris, unknowns
+from parflex.fe.plate.argyris import argyris
+from parflex.fe.plate.mesh import unknowns
 from parflex.mechanics.platform import body_energies, platform_of
 
 # Converged Kirchhoff values with rotary inertia for the paper's plate, ν = 0.3: elastic modes 1, 3,

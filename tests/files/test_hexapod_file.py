@@ -133,7 +133,7 @@ modes = 3
     held = np.pad(joints[[5, 0, 1, 2, 3, 4]], ((0, 0), (0, 1)), constant_values=-0.02)
     assert np.allclose(robot.platform.attachment_points, held, atol=1e-12)
     assert np.allclose(robot.home_pose[0], (0, 0, 0.32))
-    modes = pf.fe.plate_modes(joints, 0.008, 70e9, 0.33, 2700, 3)
+    modes = pf.fe.plate_modes(joints, 0.008, 70e9, 0.33, 2700, n_modes=3, points=held[:, :2])
     bare = pf.FlexibleBody.from_modes(modes, origin=(0, 0, 0.02))
     laden = pf.Payload(5.0, (0.01, -0.02, 0.06), np.diag([0.02, 0.03, 0.04])).on(bare)
     for mine, theirs in zip(robot.platform.moments, laden.moments, strict=True):

@@ -289,7 +289,7 @@ BAD = {
     "two centres": ([("com =", "first_moment = [0, 0, 0], com =")], 11, "gives com and first_moment"),
     "no body's inertia": ([("0.1, 0.1, 0.2", "0.1, 0.1, 0.9")], 30, "is not the inertia of a body"),
     "true for a number": ([("position = [0,", "position = [true,")], 5, "home.position[0] is true"),
-    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 28, 'kind is "soft"; choose "imported"'),
+    "text for a table": ([('kind = "rigid"', 'kind = "soft"')], 28, 'kind is "soft"; choose "disc" or'),
     "a posture of two": (
         [("tips =", "posture = [0, 1]\ntips =")],
         14,

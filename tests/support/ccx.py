@@ -9,7 +9,7 @@ import pytest
 
 from paper_robot import PLATE, corners
 from parflex.fe.body.elements import TETRA_EDGES
-from parflex.fe.plate.argyris import fan_mesh
+from parflex.fe.plate.mesh import fan_mesh
 
 CCX = shutil.which("ccx")
 needs_ccx = pytest.mark.skipif(CCX is None, reason="CalculiX (ccx) is not installed")

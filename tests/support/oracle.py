@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.linalg import block_diag
 
-from parflex.fe.plate import plate
+from parflex.fe.plate import mesh, plate
 
 RANK = 1e-9  # below this part of the largest singular value a row is a repetition
 STEP = 1e-30  # of a complex step, f(x + iεv) = f + iε f′v: no truncation, no cancellation
@@ -78,17 +78,18 @@ def nodal_platform(positions, masses, shapes, frequencies, damping_ratio, attach
     return NodalPlatform(positions, masses, shapes, stiffness, damping, held, moving)
 
 
-def plate_cloud(corners, thickness, young, poisson, density, n_modes, damping_ratio=0.4):
+def plate_cloud(corners, thickness, n_modes, damping_ratio=0.4, **material):
     """The Kirchhoff plate of `parflex.fe.plate_modes`, held at its corners; damped as in the paper's Table 2.
 
     In the plane the nodes are the quadrature points, whose weights integrate products of the shapes exactly.
     Across it, two layers at z = ±h/√12 carry half the mass each: they have the ∫1, ∫z, ∫z² of the thickness,
     all that the field (−z w_x, −z w_y, w), linear in z, can ask for.
     """
-    corners, section = plate.convex_polygon(corners), plate.plate_section(thickness, young, poisson, density)
+    corners = plate.convex_polygon(corners)
+    section = plate.plate_section(thickness, plate.chosen(**material))
     levels = range(plate.DEFAULT_REFINE, 9)
-    refine = next(r for r in levels if plate.unknowns(len(corners), r) > 12 * n_modes)
-    modes = plate.plate_modes(corners, thickness, young, poisson, density, n_modes, refine)
+    refine = next(r for r in levels if mesh.unknowns(len(corners), r) > 12 * n_modes)
+    modes = plate.plate_modes(corners, thickness, n_modes=n_modes, refine=refine, **material)
     basis = plate.argyris(corners, refine)
     inside, (xy, area) = plate.sampled(basis, modes.reduction.vectors), plate.plate_quadrature(basis)
     xy = xy + plate.centroid(corners)[:, None]

@@ -8,6 +8,7 @@ import typer
 from rich.markup import escape
 from rich.table import Table
 
+from parflex.app.templates.starts import STARTS
 from parflex.app.terminal import Backend, ImageFormat, Out, check_format, check_writable, console, step
 from parflex.app.viewing import what_now
 from parflex.base.errors import InputError
@@ -23,7 +24,7 @@ RESULT = "result.nc"  # of a run, in its folder
 
 def init(
     name: Annotated[Path, typer.Argument(help="The robot file to write.")] = Path("robot.toml"),
-    robot: Annotated[str, typer.Option(help="What to start from.")] = "gough-stewart",
+    robot: Annotated[str, typer.Option(help=f"What to start from: {', '.join(STARTS)}.")] = "gough-stewart",
     force: Annotated[bool, typer.Option("--force", help="Replace files that are there.")] = False,
 ) -> None:
     """Write a robot file and a trajectory file to start from, with comments that explain them.
@@ -32,7 +33,9 @@ def init(
 
     `parflex init` - robot.toml and robot.trajectory.toml
 
-    `parflex init hexapod.toml --force` - another name, over what is there
+    `parflex init hexapod.toml --robot hexapod` - a hexapod from radii, angles and a strut
+
+    `parflex init delta.toml --robot delta --force` - a robot of the gallery, over what is there
     """
     from parflex.app.templates import write_templates
 

@@ -8,7 +8,8 @@ from typer.core import TyperCommand
 
 from parflex.base.errors import InputError
 
-PROGRAMS, TAKES, UNIT_SYSTEMS = "PROGRAMS", "TAKES", "UNIT_SYSTEMS"  # in help strings: what the importers say
+# in help strings: what the importers and the table of materials say
+PROGRAMS, TAKES, UNIT_SYSTEMS, MATERIALS = "PROGRAMS", "TAKES", "UNIT_SYSTEMS", "MATERIALS"
 
 Program = Annotated[str | None, typer.Option("--from", help=f"Import the modes of {PROGRAMS}.")]
 Files = Annotated[list[str] | None, typer.Option(help=f'A file to import, "name=path": {TAKES}.')]
@@ -20,16 +21,18 @@ Nodes = Annotated[
 
 
 class ImportingCommand(TyperCommand):
-    """A command whose help names the importers, which are loaded where it is asked for."""
+    """A command whose help names importers and materials, which are loaded where it is asked for."""
 
     def format_help(self, ctx: Any, formatter: Any) -> None:
         from parflex.fe import IMPORTERS
         from parflex.fe.imports.unit_systems import SYSTEMS as systems
+        from parflex.robot.materials import names
 
         words = {
             PROGRAMS: ", ".join(importer.name for importer in IMPORTERS),
             TAKES: "; ".join(importer.takes for importer in IMPORTERS),
             UNIT_SYSTEMS: ", ".join(systems),
+            MATERIALS: names(),
         }
         options: list[Any] = list(self.params)
         for option in options:

@@ -9,12 +9,12 @@ from rich.table import Table
 from parflex.app.terminal import console
 
 if TYPE_CHECKING:
-    from parflex.fe import Material
+    from parflex.fe import ComputedModes
     from parflex.robot.modes import Modes
 
 
-def report(found: "Modes", material: "Material | None", table_2: tuple[float, ...]) -> None:
-    """Print frequencies, notes, and the check report with the material."""
+def report(found: "ComputedModes", table_2: tuple[float, ...]) -> None:
+    """Print frequencies, notes, and the check report with the materials."""
     from parflex.fe import check_rows
 
     console.print(frequency_table(found, table_2))
@@ -23,9 +23,8 @@ def report(found: "Modes", material: "Material | None", table_2: tuple[float, ..
     table = Table("check", "found", title=escape(found.source), title_justify="left")
     for row in check_rows(found):
         table.add_row(*map(escape, row))
-    if material is not None:
-        E, nu, rho = material.young, material.poisson, material.density
-        table.add_row("material", f"E = {E:.6g} N/m², ν = {nu:.6g}, ρ = {rho:.6g} kg/m³")
+    for material in found.materials:
+        table.add_row("material", escape(str(material)))
     console.print(table)
 
 

@@ -1,7 +1,8 @@
 """The complaint about a file that is not there."""
 
-from difflib import get_close_matches
 from pathlib import Path
+
+from parflex.base.nearest import nearest
 
 
 def absent(path: Path) -> str:
@@ -10,5 +11,5 @@ def absent(path: Path) -> str:
         there = {each.name: each for each in path.parent.iterdir() if each.is_file()}
     except OSError:
         return f"{path}: there is no folder {path.parent}"
-    close = get_close_matches(path.name, there, 1)
-    return f"{path}: there is no such file" + (f"; did you mean {there[close[0]]}?" if close else "")
+    close = nearest(path.name, there)
+    return f"{path}: there is no such file" + (f"; did you mean {there[close]}?" if close else "")

@@ -14,8 +14,8 @@ from parflex.fe.body.basis import (
 from parflex.fe.body.basis_report import check_rows
 from parflex.fe.body.check_report import CheckReport, MatrixReport, Report
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.material import Material, Solid
 from parflex.fe.body.nodal import body_of_matrices
+from parflex.fe.body.solid import Solid
 from parflex.fe.imports.calculix.calculix import read_calculix
 from parflex.fe.imports.calculix.storage import calculix_body
 from parflex.fe.imports.importer import Importer
@@ -32,9 +32,13 @@ from parflex.fe.solid.recovery import Fields, recover
 from parflex.fe.solid.solid import solid_body
 from parflex.fe.solid.vtk_file import write_fields
 from parflex.fe.sources import mesh_from, modes
+from parflex.robot.material import Material
+from parflex.robot.materials import MATERIALS
+from parflex.robot.materials import named as material
 
 __all__ = [
     "IMPORTERS",
+    "MATERIALS",
     "Basis",
     "BasisError",
     "CheckReport",
@@ -58,6 +62,7 @@ __all__ = [
     "check_rows",
     "converged",
     "import_modes",
+    "material",
     "mesh_from",
     "modes",
     "outline_mesh",

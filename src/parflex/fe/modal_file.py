@@ -5,6 +5,8 @@ docs/platforms.md has the schema. A checksum over all that the file says tells a
 
 import hashlib
 import os
+from collections.abc import Mapping
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +20,9 @@ from parflex.base.errors import InputError
 from parflex.base.version import __version__
 from parflex.base.writing import replacing
 from parflex.fe.body.basis import ComputedModes
-from parflex.fe.body.material import Material, Solid
+from parflex.fe.body.solid import Solid
 from parflex.robot.body import FlexibleBody
+from parflex.robot.material import Material
 from parflex.robot.modes import Modes
 from parflex.robot.moments import Moments
 
@@ -88,6 +91,7 @@ def read_modes(path: str | os.PathLike[str]) -> ComputedModes:
     if frequencies is None:
         frequencies = np.sqrt(body.stiffness / np.diagonal(body.m_ee))
     unknown = np.full(len(frequencies), np.nan)
+    materials = stored_materials(found, data.attrs)
     return ComputedModes(
         nodes=body.nodes,
         triangles=np.zeros((0, 3), dtype=np.int64) if body.triangles is None else body.triangles,
@@ -100,7 +104,8 @@ def read_modes(path: str | os.PathLike[str]) -> ComputedModes:
         source=str(data.attrs["source"]),
         notes=tuple(str(data.attrs["notes"]).splitlines()),
         tool=None if found["tool"] is None else int(found["tool"]),
-        solid=stored_solid(found),
+        materials=materials,
+        solid=None if found["elements"] is None else Solid(found["elements"], found["parts"], materials),
     )
 
 
@@ -120,8 +125,7 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
         "format": FORMAT,
         "parflex_version": __version__,
         "units_note": "SI units and radians, in the platform frame",
-        "source": "" if modes is None else modes.source,
-        "notes": "" if modes is None else "\n".join(modes.notes),
+        **words_of_modes(modes),
     }
     data = xr.Dataset(variables, attrs=attributes)
     data.attrs["checksum"] = checksum(data)
@@ -136,11 +140,22 @@ def values_of_modes(modes: Modes) -> dict[str, Any]:
         "frequency_error": modes.frequency_error,
         "tool": modes.tool,
     }
+    if isinstance(modes, ComputedModes) and modes.materials:
+        found["materials"] = [(m.young, m.poisson, m.density) for m in modes.materials]
     if isinstance(modes, ComputedModes) and modes.solid is not None:
-        elements, parts, materials = modes.solid
-        made_of = [(m.young, m.poisson, m.density) for m in materials]
-        found |= {"elements": elements, "parts": parts, "materials": made_of}
+        found |= {"elements": modes.solid.elements, "parts": modes.solid.parts}
     return found
+
+
+def words_of_modes(modes: Modes | None) -> dict[str, str]:
+    """The words of modes, as attributes of the file; of each material its name and source."""
+    materials = modes.materials if isinstance(modes, ComputedModes) else ()
+    return {
+        "source": "" if modes is None else modes.source,
+        "notes": "" if modes is None else "\n".join(modes.notes),
+        "material_names": "\n".join(made.name for made in materials),
+        "material_sources": "\n".join(made.source for made in materials),
+    }
 
 
 def load_body(path: Path) -> FlexibleBody:
@@ -200,12 +215,13 @@ def body_of(found: dict[str, Any]) -> FlexibleBody:
     return FlexibleBody(moments, attachments=attachments, **rest)
 
 
-def stored_solid(found: dict[str, Any]) -> Solid | None:
-    """The elements and materials, where there are any."""
-    if found["elements"] is None:
-        return None
-    materials = tuple(Material(*map(float, row)) for row in found["materials"])
-    return Solid(found["elements"], found["parts"], materials)
+def stored_materials(found: dict[str, Any], attributes: Mapping[str, Any]) -> tuple[Material, ...]:
+    """The materials, with their names and sources, where there are any."""
+    if found["materials"] is None:
+        return ()
+    words = [str(attributes.get(name, "")).split("\n") for name in ("material_names", "material_sources")]
+    told: Any = zip_longest(found["materials"].tolist(), *words, fillvalue="")
+    return tuple(Material(E, nu, rho, name, source) for (E, nu, rho), name, source in told)
 
 
 def array_of(name: str, value: Any) -> Array:

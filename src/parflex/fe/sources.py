@@ -11,12 +11,12 @@ from numpy.typing import ArrayLike
 from parflex.base.errors import InputError
 from parflex.fe.body.basis import Basis, ComputedModes, FreeFree, FreeFreeWithAttachment
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.body.material import Material
 from parflex.fe.plate.plate import plate_body, plate_modes
 from parflex.fe.solid.mesh import SolidMesh
 from parflex.fe.solid.mesh_file import read_mesh
 from parflex.fe.solid.netgen_mesh import step_mesh
 from parflex.fe.solid.solid import solid_body
+from parflex.robot.material import Material
 
 RIGHT = 0.01  # relative error of the basis of a platform whose basis is not chosen
 PAPER = 10  # free–free modes where their number is not chosen
@@ -93,12 +93,20 @@ class PlatformSource(NamedTuple):
 
 
 def plate_source(
-    outline: ArrayLike, thickness: float, material: Material, refine: int | None
+    outline: ArrayLike,
+    thickness: float,
+    material: Material,
+    refine: int | None,
+    points: ArrayLike | None = None,
+    tool: ArrayLike | None = None,
 ) -> PlatformSource:
-    """A thin plate, whose modes tell the change from a coarser mesh themselves."""
-    section = (thickness, material.young, material.poisson, material.density)
-    body = plate_body(outline, *section, **({} if refine is None else {"refine": refine}))
-    return PlatformSource(body, lambda basis: plate_modes(outline, *section, basis, refine))
+    """A thin plate, with nodes at its joints and tool, whose modes tell the change from a coarser mesh
+    themselves."""
+    finer = {} if refine is None else {"refine": refine}
+    body = plate_body(outline, thickness, material=material, points=points, tool=tool, **finer)
+    return PlatformSource(
+        body, lambda basis: plate_modes(outline, thickness, n_modes=basis, refine=refine, material=material)
+    )
 
 
 def solid_source(mesh_of: Callable[..., SolidMesh], size: float | None, material: Material) -> PlatformSource:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from difflib import get_close_matches
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -10,6 +9,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.kinds import POSITION
+from parflex.base.nearest import nearest
 from parflex.files.described import built
 from parflex.files.joint_table import JointTable, joint_of
 from parflex.files.leg_schema import AnyChainTable, ChainTable, KindTable, LegTable, TipTable
@@ -85,8 +85,8 @@ def chain_named(parts: Mapping[str, Parts | None], name: str) -> Parts:
     """The chain of that name."""
     found = parts.get(name)
     if found is None:
-        close = get_close_matches(name, parts, 1)
-        hint = f'did you mean "{close[0]}"?' if close else f"there is {', '.join(parts) or 'none'}"
+        close = nearest(name, parts)
+        hint = f'did you mean "{close}"?' if close else f"there is {', '.join(parts) or 'none'}"
         raise InputError(f'chain is "{name}", but there is no [chain.{name}]; {hint}')
     return found
 

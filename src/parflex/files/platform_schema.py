@@ -19,6 +19,8 @@ from parflex.files.tables import (
     Whole,
     several,
 )
+from parflex.robot.material import Material
+from parflex.robot.materials import chosen, names
 
 Corner = Annotated[list[Length], Field(min_length=2, max_length=2)]
 Ratios = Annotated[
@@ -50,22 +52,35 @@ class RigidTable(Table):
         return self
 
 
-class PolygonTable(Table):
+class MadeTable(Table):
+    """A platform of one material, by name or by its numbers, whose modes are computed."""
+
+    material: str | None = Field(None, description=f"{names()}; or young, poisson, density")
+    young: Annotated[float, Measure(kinds.PRESSURE)] | None = Field(None, description="Young's modulus")
+    poisson: Number | None = Field(None, description="Poisson's ratio")
+    density: Annotated[float, Measure(kinds.DENSITY)] | None = Field(None, description="of the material")
+    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
+    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
+
+    @property
+    def made_of(self) -> Material:
+        """The material; raises InputError where it is not told, or told twice."""
+        return chosen(self.material, self.young, self.poisson, self.density)
+
+
+class PolygonTable(MadeTable):
     """A flat plate of convex outline, whose modes are computed."""
 
     kind: Literal["polygon"]
     corners: list[Corner] = Field(description="[x, y] in order around the outline")
     thickness: Length
-    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
-    poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(kinds.DENSITY)]
     modes: Whole | None = Field(
         None, description="free-free modes, 0 for a rigid plate; by default a basis right for the joints"
     )
     refine: Whole | None = Field(None, description="halvings of the mesh; by default enough")
-    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    attachments: list[Corner] | None = Field(None, description="[x, y] of nodes; by default the corners")
-    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
+    attachments: list[Corner] | None = Field(
+        None, description="[x, y] anywhere on the plate; by default the corners"
+    )
 
 
 class ModalTable(Table):
@@ -75,24 +90,35 @@ class ModalTable(Table):
     file: str = Field(description="modal file, relative to the robot file")
 
 
-class SolidTable(Table):
+class MeshedTable(MadeTable):
+    """A solid of one material that is meshed."""
+
+    size: Length | None = Field(None, description="largest edge of elements; by default enough")
+    modes: Whole | None = Field(
+        None, description="free-free modes beside attachment modes; by default as many as are right"
+    )
+    attachments: list[Point] | None = Field(
+        None, description="points that legs may hold, patches of the surface; a hexapod has its joints there"
+    )
+    tool: Point | None = Field(None, description="a point where wrenches act")
+    radius: Length | None = Field(None, description="of the patches")
+
+
+class SolidTable(MeshedTable):
     """A solid of one material, from a STEP file or a mesh, whose modes are computed."""
 
     kind: Literal["solid"]
     file: str = Field(description="STEP file or mesh, relative to the robot file")
     unit: str | None = Field(None, description='of the file: "mm", "m", "inch"; STEP files name theirs')
-    size: Length | None = Field(None, description="largest edge of elements; by default enough")
-    young: Annotated[float, Measure(kinds.PRESSURE)] = Field(description="Young's modulus")
-    poisson: Number = Field(description="Poisson's ratio")
-    density: Annotated[float, Measure(kinds.DENSITY)]
-    modes: Whole | None = Field(
-        None, description="free-free modes beside attachment modes; by default as many as are right"
-    )
-    attachments: list[Point] = Field(description="points that legs may hold, patches of the surface")
-    tool: Point | None = Field(None, description="a point where wrenches act")
-    radius: Length | None = Field(None, description="of the patches")
-    damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
+
+
+class DiscTable(MeshedTable):
+    """A disc or ring about the origin, its middle plane at z = 0, as a solid whose modes are computed."""
+
+    kind: Literal["disc"]
+    diameter: Length
+    thickness: Length
+    bore: Length | None = Field(None, description="diameter of the hole in its middle: a ring")
 
 
 def one_or_patch(value: Any) -> str:
@@ -126,4 +152,4 @@ class ImportedTable(Table):
     )
 
 
-PlatformTable = RigidTable | PolygonTable | SolidTable | ModalTable | ImportedTable
+PlatformTable = RigidTable | PolygonTable | DiscTable | SolidTable | ModalTable | ImportedTable

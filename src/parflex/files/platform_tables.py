@@ -1,40 +1,71 @@
 """Platforms from their tables, and a rigid platform's table from its moments."""
 
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
-from parflex.fe.modal_file import load_body
-from parflex.files.platform_schema import ImportedTable, ModalTable, PolygonTable, RigidTable, SolidTable
+from parflex.files.platform_schema import (
+    DiscTable,
+    ImportedTable,
+    MeshedTable,
+    ModalTable,
+    PolygonTable,
+    RigidTable,
+    SolidTable,
+)
 from parflex.files.tables import Table, inertia_of
 from parflex.robot.body import FlexibleBody
+from parflex.robot.material import Material
+
+if TYPE_CHECKING:
+    from parflex.fe import SolidMesh
+
+
+JOINT = re.compile(r"\bjoint (\d+)")
 
 
 def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
     """A plate with computed modes, held at its corners or at the points named."""
     from parflex.fe import modes, plate_body, plate_modes
 
-    section = (table.thickness, table.young, table.poisson, table.density)
-    points = None if table.attachments is None else [(x, y, 0.0) for x, y in table.attachments]
+    plate: dict[str, Any] = {"material": table.made_of, "points": table.attachments}
+    plate |= {} if table.refine is None else {"refine": table.refine}
     if table.modes is None:
-        options = {} if table.refine is None else {"refine": table.refine}
-        found = modes(plate_body(table.corners, *section, **options), points)
-        return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
-    found = plate_modes(table.corners, *section, table.modes, table.refine)
-    return FlexibleBody.from_modes(found, points, origin=table.origin, damping_ratio=table.damping_ratio)
+        found = modes(plate_body(table.corners, table.thickness, **plate))
+    else:
+        found = plate_modes(table.corners, table.thickness, n_modes=table.modes, **plate)
+    return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
 
 
 def from_mesh(table: SolidTable, folder: Path) -> FlexibleBody:
     """A solid with computed modes, held at patches of its surface."""
-    from parflex.fe import Material, mesh_from, modes, solid_body
+    from parflex.fe import mesh_from
 
-    mesh = mesh_from(folder / table.file, table.unit, table.size)
-    body = solid_body(mesh, Material(table.young, table.poisson, table.density))
+    made_of = table.made_of
+    return from_solid(table, mesh_from(folder / table.file, table.unit, table.size), made_of)
+
+
+def from_disc(table: DiscTable, folder: Path) -> FlexibleBody:
+    """A disc or ring with computed modes, held at patches of its surface."""
+    from parflex.fe import outline_mesh
+
+    made_of = table.made_of
+    holes = [] if table.bore is None else [(0.0, 0.0, table.bore / 2)]
+    outline = (0.0, 0.0, table.diameter / 2)
+    return from_solid(table, outline_mesh(outline, table.thickness, holes, size=table.size), made_of)
+
+
+def from_solid(table: MeshedTable, mesh: "SolidMesh", made_of: Material) -> FlexibleBody:
+    """A mesh with computed modes, held as its table says."""
+    from parflex.fe import modes, solid_body
+
+    body = solid_body(mesh, made_of)
     places = (table.attachments, table.tool, table.radius)
     found = modes(body, *places, n=table.modes)
     return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
@@ -52,8 +83,6 @@ def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:
 
 def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
     """A rigid body from its inertia about the centre of mass, or from its moments."""
-    if table.attachments is None:
-        raise InputError("attachments is missing; give the points that legs may hold")
     points = np.reshape(np.array(table.attachments, dtype=float), (-1, 3))
     if table.inertia is not None:
         com = (0.0, 0.0, 0.0) if table.com is None else table.com
@@ -67,12 +96,15 @@ def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
 
 def from_modal_file(table: ModalTable, folder: Path) -> FlexibleBody:
     """The body that parflex stored."""
+    from parflex.fe.modal_file import load_body
+
     return load_body(folder / table.file)
 
 
 BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
     RigidTable: from_inertia,
     PolygonTable: from_polygon,
+    DiscTable: from_disc,
     SolidTable: from_mesh,
     ImportedTable: from_program,
     ModalTable: from_modal_file,
@@ -82,20 +114,32 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 def platform(table: Table, folder: Path, joints: Array | None = None) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
 
-    A plate or rigid body that names no attachments has them at the joints (k, 3) m of Σp, a plate in the
-    plane of the joints.
+    One that names no attachments has them at the joints (k, 3) m of Σp.
+
+    Raises InputError in which joints are attachments, counted from 0 as the file does.
     """
+    if getattr(table, "attachments", ()) is None and not isinstance(table, PolygonTable) and joints is None:
+        raise InputError("attachments is missing; give the points that legs may hold")
     if joints is not None and getattr(table, "attachments", ()) is None:
         table = table.model_copy(update=at_joints(table, joints))
-    return BUILDERS[type(table)](table, folder)
+    try:
+        return BUILDERS[type(table)](table, folder)
+    except InputError as error:
+        words = JOINT.sub(lambda found: f"attachments[{int(found[1]) - 1}]", str(error))
+        raise type(error)(words) from None
 
 
 def at_joints(table: Table, joints: Array) -> dict[str, Any]:
-    """Attachments at joints (k, 3) m of Σp, whose z axis is the plate's."""
+    """Attachments at joints (k, 3) m of Σp, whose z axis is the body's, and the point that is its origin: by
+    default a plate is in the plane of the joints, a disc stands on them, a solid's own frame is Σp."""
     if isinstance(table, RigidTable):
         return {"attachments": joints.tolist()}
-    origin = getattr(table, "origin", None) or [0.0, 0.0, -float(joints[0, 2])]
-    return {"attachments": (joints[:, :2] + np.array(origin)[:2]).tolist(), "origin": origin}
+    down = {PolygonTable: joints[0, 2], SolidTable: 0.0}
+    if isinstance(table, DiscTable):
+        down[DiscTable] = joints[0, 2] + table.thickness / 2
+    origin = getattr(table, "origin", None) or [0.0, 0.0, -float(down[type(table)])]
+    held = joints + np.array(origin)
+    return {"attachments": held[:, : 2 if isinstance(table, PolygonTable) else 3].tolist(), "origin": origin}
 
 
 def rigid_table(body: FlexibleBody) -> dict[str, Any] | None:

@@ -1,9 +1,9 @@
 """Sentences for what pydantic finds: each names field, value and remedy."""
 
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from typing import Any
 
+from parflex.base.nearest import nearest
 from parflex.files.lines import Where, reached
 from parflex.files.quantity import shown
 
@@ -75,7 +75,7 @@ def names(where: Where, schema: Schema) -> list[str]:
 
 def likely(where: Where, schema: Schema) -> str:
     """The known key most like the unknown last step; empty where none is."""
-    return next(iter(get_close_matches(str(where[-1]), names(where, schema), 1)), "")
+    return nearest(str(where[-1]), names(where, schema)) or ""
 
 
 def tag_sentence(field: str, value: Any, node: Schema) -> str:

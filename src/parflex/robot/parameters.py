@@ -5,7 +5,6 @@ A parameter is named by Python's own path into a robot. All parameters of a mode
 """
 
 from collections.abc import Mapping, Sequence
-from difflib import get_close_matches
 from itertools import chain
 from typing import Any, NamedTuple
 
@@ -14,6 +13,7 @@ import numpy as np
 from parflex.base.array import Array, join
 from parflex.base.check import NOT_NEGATIVE, Rule, finite, obeying
 from parflex.base.errors import InputError
+from parflex.base.nearest import nearest
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint, Leg, Tip
@@ -117,7 +117,7 @@ class Parameters:
                 f"parameters: {name!r} is given, but the model has none; name those that are to change when "
                 f"it is made, pf.Model(robot, parameters=[{name!r}])"
             )
-        return f"parameters: {name!r} is none of this model{nearest(name, self.names)}; it has " + ", ".join(
+        return f"parameters: {name!r} is none of this model{meant(name, self.names)}; it has " + ", ".join(
             self.names
         )
 
@@ -161,16 +161,16 @@ def named_parameter(robot: Robot, known: Mapping[str, Parameter], name: object) 
         )
     likely = [item.name for item in known.values() if item.field != "payload" or item.number < 100]
     raise InputError(
-        f"parameters: {name!r} is no parameter of this robot{nearest(text, likely)}; there are "
+        f"parameters: {name!r} is no parameter of this robot{meant(text, likely)}; there are "
         f"{KINDS}. It has {len(robot.legs)} legs, {len(robot.platform.nodes)} nodes and "
         f"{robot.platform.modes} modes"
     )
 
 
-def nearest(name: object, known: Sequence[str]) -> str:
+def meant(name: object, known: Sequence[str]) -> str:
     """A question that names what may have been meant; nothing where nothing is near."""
-    found = get_close_matches(str(name), known, 1)
-    return f" (did you mean {found[0]}?)" if found else ""
+    found = nearest(str(name), known)
+    return f" (did you mean {found}?)" if found else ""
 
 
 def check_apart(items: Sequence[Parameter]) -> None:

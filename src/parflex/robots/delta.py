@@ -7,10 +7,10 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import together, tube
-from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import THIRDS, plate, ring, standing
 
 BASE_RADIUS = 0.25  # m
@@ -18,14 +18,14 @@ SIDE = 0.15  # m, of the hexagonal plate; two rods hold the ends of every other 
 PLATFORM = (-30, 30, 90, 150, 210, 270)  # degrees: the corners of the plate
 ARM, ROD = 0.35, 0.80  # m
 HOME = (0.0, 0.0, -0.70)  # m, under the motors
-PLATE: dict[str, Any] = {"thickness": 3e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 3e-3, "material": "steel"}
 
 ARM_LINK = together(
-    tube(CARBON["density"], 0.025, (0, 0, 0), (ARM, 0, 0), bore=0.023),
-    tube(ALUMINIUM["density"], 0.015, (ARM, 0, -SIDE / 2), (ARM, 0, SIDE / 2)),
-    tube(STEEL["density"], 0.020, (0, 0, -0.03), (0, 0, 0.03)),
+    tube(named("CFRP quasi-isotropic").density, 0.025, (0, 0, 0), (ARM, 0, 0), bore=0.023),
+    tube(named("aluminium").density, 0.015, (ARM, 0, -SIDE / 2), (ARM, 0, SIDE / 2)),
+    tube(named("steel").density, 0.020, (0, 0, -0.03), (0, 0, 0.03)),
 )
-ROD_LINK = tube(CARBON["density"], 0.008, (0, 0, 0), (ROD, 0, 0), bore=0.006)
+ROD_LINK = tube(named("CFRP quasi-isotropic").density, 0.008, (0, 0, 0), (ROD, 0, 0), bore=0.006)
 ROTOR = 0.01  # kg m², of the motor behind its gear
 
 # the arm, turning downwards; twice a cross of no mass and a rod along its x

@@ -12,6 +12,7 @@ from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Leg
+from parflex.robot.materials import named
 from parflex.robot.payload import Payload
 from parflex.robot.robot import Robot
 from parflex.robot.strut import Strut
@@ -19,7 +20,6 @@ from parflex.robot.words import listed
 from parflex.robots.hexapod_geometry import HexapodGeometry, nearest_pair
 from parflex.robots.legs import UPS
 from parflex.robots.links import tube
-from parflex.robots.materials import ALUMINIUM, STEEL
 
 NEAR = 0.02  # of the platform's radius: within it an attachment is the joint
 TOUCH = 1e-6  # of a strut's length: axes that are nearer cross
@@ -106,14 +106,16 @@ def disc(geometry: HexapodGeometry) -> FlexibleBody:
     """A rigid aluminium disc about Σp, an eighth of the joints' radius thick, and so far beyond them."""
     thick = geometry.platform_radius / 8
     radius = geometry.platform_radius + thick
-    link = tube(ALUMINIUM["density"], radius, (0, 0, -thick / 2), (0, 0, thick / 2))
+    link = tube(named("aluminium").density, radius, (0, 0, -thick / 2), (0, 0, thick / 2))
     return FlexibleBody.rigid(link["M"], (0, 0, 0), link["I"], geometry.platform_joints)
 
 
 def usual_strut(length: float) -> Strut:
     """An aluminium cylinder, a tenth of the strut's length thick, and a steel rod."""
-    cylinder = Bar(outer=length / 10, inner=length / 12.5, length=0.6 * length, density=ALUMINIUM["density"])
-    return Strut(cylinder, Bar(outer=length / 25, length=0.6 * length, density=STEEL["density"]))
+    cylinder = Bar(
+        outer=length / 10, inner=length / 12.5, length=0.6 * length, density=named("aluminium").density
+    )
+    return Strut(cylinder, Bar(outer=length / 25, length=0.6 * length, density=named("steel").density))
 
 
 def attachments_at(body: FlexibleBody, joints: Array, radius: float) -> list[int]:

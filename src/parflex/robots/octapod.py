@@ -8,21 +8,21 @@ from parflex.base.array import Array
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Leg
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.legs import UPS
-from parflex.robots.materials import STEEL
 from parflex.robots.rings import plate, ring, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.70, 0.45  # m
 BASE = (-12, 12, 78, 102, 168, 192, 258, 282)  # degrees: the universal joints
 PLATFORM = (-30, 30, 60, 120, 150, 210, 240, 300)  # degrees: the corners of the plate
 HOME = (0.0, 0.0, 0.85)  # m
-PLATE: dict[str, Any] = {"thickness": 10e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 10e-3, "material": "steel"}
 
 STRUT = UPS(
-    cylinder=Bar(outer=0.070, inner=0.056, length=0.55, density=STEEL["density"]),
-    rod=Bar(outer=0.028, length=0.55, density=STEEL["density"]),
+    cylinder=Bar(outer=0.070, inner=0.056, length=0.55, density=named("steel").density),
+    rod=Bar(outer=0.028, length=0.55, density=named("steel").density),
     rotor_inertia=8.0,  # kg, of the motor behind its screw
 )
 

@@ -7,19 +7,19 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import box
-from parflex.robots.materials import ALUMINIUM, STEEL
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.50, 0.30  # m
 ROD = 0.45  # m
 HOME = (0.0, 0.0, 0.70)  # m over the feet of the columns
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
-CARRIAGE = box(ALUMINIUM["density"], (0.05, 0.14, 0.14))
-ROD_LINK = box(ALUMINIUM["density"], (ROD, 0.02, 0.04), (ROD / 2, 0, 0))
+CARRIAGE = box(named("aluminium").density, (0.05, 0.14, 0.14))
+ROD_LINK = box(named("aluminium").density, (ROD, 0.02, 0.04), (ROD / 2, 0, 0))
 ROTOR = 2.0  # kg, of the motor behind its screw
 
 # the carriage along z; the rod along x2, on a hinge across the column's plane

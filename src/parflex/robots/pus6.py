@@ -9,10 +9,10 @@ from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Leg
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.legs import PUS
-from parflex.robots.materials import CARBON, STEEL
 from parflex.robots.rings import plate, ring
 
 RAILS = (-0.45, -0.45, 0.0, 0.0, 0.45, 0.45)  # m: y of the rail of each leg
@@ -21,11 +21,11 @@ PLATFORM_RADIUS = 0.25  # m
 PLATFORM = (70, 110, 190, 230, 310, 350)  # degrees: the corners of the plate
 CORNER = (2, 5, 3, 4, 1, 0)  # the corner that each leg holds
 HOME = (0.0, 0.0, 0.48)  # m over the rails, which lie along x
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
 SLIDER = PUS(
     carriage=1.0368,  # kg: 80 × 40 × 120 mm of aluminium
-    rod=Bar(outer=0.028, inner=0.024, length=0.8, density=CARBON["density"]),
+    rod=Bar(outer=0.028, inner=0.024, length=0.8, density=named("CFRP quasi-isotropic").density),
 )
 
 

@@ -8,19 +8,19 @@ from parflex.base.array import Array
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Leg
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.legs import RPS
-from parflex.robots.materials import STEEL
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
 HOME = (0.0, 0.0, 0.65)  # m
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
 JACK = RPS(  # its hinge lies along the base circle
-    cylinder=Bar(outer=0.060, inner=0.048, length=0.40, density=STEEL["density"]),
-    rod=Bar(outer=0.024, length=0.40, density=STEEL["density"]),
+    cylinder=Bar(outer=0.060, inner=0.048, length=0.40, density=named("steel").density),
+    rod=Bar(outer=0.024, length=0.40, density=named("steel").density),
     rotor_inertia=4.0,  # kg, of the motor behind its screw
 )
 

@@ -7,10 +7,10 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.robot.body import FlexibleBody
 from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
 from parflex.robots.links import together, tube
-from parflex.robots.materials import ALUMINIUM, CARBON, STEEL
 from parflex.robots.rings import plate, ring, standing
 
 BASE_RADIUS = 0.5  # m
@@ -19,13 +19,13 @@ PLATFORM_RADIUS = 0.3  # m
 PLATFORM = (-45, 45, 75, 165, 195, 285)  # degrees: the corners of the plate
 CRANK, ROD = 0.20, 0.60  # m
 HOME = (0.0, 0.0, 0.48)  # m: the cranks are nearly level
-PLATE: dict[str, Any] = {"thickness": 6e-3, **STEEL}
+PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
 CRANK_LINK = together(
-    tube(STEEL["density"], 0.012, (0, 0, -0.02), (0, 0, 0.06)),
-    tube(ALUMINIUM["density"], 0.018, (0, 0, 0), (CRANK, 0, 0)),
+    tube(named("steel").density, 0.012, (0, 0, -0.02), (0, 0, 0.06)),
+    tube(named("aluminium").density, 0.018, (0, 0, 0), (CRANK, 0, 0)),
 )
-ROD_LINK = tube(CARBON["density"], 0.012, (0, 0, 0), (ROD, 0, 0), bore=0.010)
+ROD_LINK = tube(named("CFRP quasi-isotropic").density, 0.012, (0, 0, 0), (ROD, 0, 0), bore=0.010)
 ROTOR = 0.02  # kg m², of the motor behind its gear
 
 # the crank, about an axis level and radial; the cross, of no mass; the rod along x3

@@ -3,11 +3,10 @@
 from importlib.resources import files
 from pathlib import Path
 
-from parflex.app.json_schema import schema_text
+from parflex.app.templates.starts import STARTS, Start
 from parflex.base.errors import InputError
+from parflex.base.nearest import nearest
 from parflex.base.writing import replacing
-
-ALL_ROBOTS = ("gough-stewart",)  # each a file in this folder
 
 
 def write_templates(name: Path, robot: str = "gough-stewart", force: bool = False) -> tuple[Path, ...]:
@@ -15,8 +14,12 @@ def write_templates(name: Path, robot: str = "gough-stewart", force: bool = Fals
 
     Raises InputError for an unknown robot, and for files that are there already unless `force`.
     """
-    if robot not in ALL_ROBOTS:
-        raise InputError(f"--robot is {robot!r}; choose {' or '.join(ALL_ROBOTS)}")
+    from parflex.app.json_schema import schema_text
+
+    if robot not in STARTS:
+        close = nearest(robot, STARTS)
+        hint = f"did you mean {close}? There are" if close else "there are"
+        raise InputError(f"--robot is {robot!r}, which is not known; {hint} {', '.join(STARTS)}")
     target = name if name.suffix == ".toml" else name.with_name(f"{name.name}.toml")
     trajectory = target.with_name(f"{target.stem}.trajectory.toml")
     for path in (target, trajectory):
@@ -24,10 +27,16 @@ def write_templates(name: Path, robot: str = "gough-stewart", force: bool = Fals
             raise InputError(f"{path} is there already; choose another name, or replace it with --force")
     for path, template, schema in ((target, robot, "robot"), (trajectory, "trajectory", "trajectory")):
         text = (files(__name__) / f"{template}.toml").read_text(encoding="utf-8")
-        words = text.replace("{robot}", target.name).replace("{trajectory}", trajectory.name)
+        words = filled(text, STARTS[robot]).replace("{robot}", target.name)
+        words = words.replace("{trajectory}", trajectory.name)
         write(path, f"#:schema ./{schema}.schema.json\n{words}")
         write(path.with_name(f"{schema}.schema.json"), schema_text(schema))
     return target, trajectory
+
+
+def filled(text: str, start: Start) -> str:
+    """The text of a trajectory file with a move that suits the robot."""
+    return text.replace("{position}", start.position).replace("{rotation}", start.rotation)
 
 
 def write(path: Path, text: str) -> None:

@@ -29,9 +29,10 @@ from parflex.fe.body.columns import independent_columns, left_out, orthonormal
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import by_node
 from parflex.fe.body.joints import Holding, places, with_places
-from parflex.fe.body.material import Solid
 from parflex.fe.body.response import static_response
 from parflex.fe.body.search import smallest
+from parflex.fe.body.solid import Solid
+from parflex.robot.material import Material
 from parflex.robot.modes import Modes
 
 NEGLIGIBLE = 1e-3  # compliance of a direction, of the largest
@@ -52,11 +53,13 @@ class Reduction(NamedTuple):
 class ComputedModes(Modes):
     """Modes with what is known of their origin.
 
-    `report` is the check report of imported ones; `solid` are elements and materials, for stresses;
+    `report` is the check report of imported ones; `materials` are those of the body, where they are known;
+    `solid` are elements and materials, for stresses;
     `reduction` is the model that the modes were computed from, None where they were read or imported.
     """
 
     report: Report | None = None
+    materials: tuple[Material, ...] = ()
     solid: Solid | None = None
     reduction: Reduction | None = None
 
@@ -212,6 +215,7 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> ComputedModes:
         source=body.source,
         notes=(*body.notes, *notes),
         report=body.report,
+        materials=body.materials,
         solid=body.solid,
         reduction=reduction,
     )

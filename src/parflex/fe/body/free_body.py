@@ -20,7 +20,8 @@ from parflex.base.progress import waiting
 from parflex.fe.body.check_report import Report
 from parflex.fe.body.integrals import Sparse
 from parflex.fe.body.keep import Memory, kept
-from parflex.fe.body.material import Solid
+from parflex.fe.body.solid import Solid
+from parflex.robot.material import Material
 from parflex.robot.moments import Moments
 
 SMALL = 3000  # unknowns below which computing is quicker than reading from the cache folder
@@ -41,8 +42,9 @@ class FreeBody:
     about them through the centre of mass, zero columns for motions the body cannot make. `moments`
     gives the inertia integrals of columns of unknowns (n, N), consistent with `mass`. `shift` s⁻²,
     well below the lowest elastic ω² if it can, makes K + shift M definite. `triangles` (T, 3) are
-    a surface; `corners` are the nodes held by default. `solid`, its elements and materials, is
-    kept for stresses; `report` is the check report of imported matrices.
+    a surface; `corners` are the nodes held by default. `materials` are what it is made of, where that is
+    known; `solid`, its elements and materials, is kept for stresses; `report` is the check report of
+    imported matrices.
     """
 
     nodes: Array
@@ -58,6 +60,7 @@ class FreeBody:
     corners: tuple[int, ...] = ()
     source: str = ""
     notes: tuple[str, ...] = ()
+    materials: tuple[Material, ...] = ()
     solid: Solid | None = None
     report: Report | None = None
     memory: Memory = field(default_factory=Memory, init=False, repr=False)

@@ -1,44 +1,67 @@
-"""Argyris triangles on a plate: mesh, elements, and the meaning of their unknowns."""
+"""Argyris triangles on a plate: elements, and the meaning of their unknowns."""
 
 from functools import lru_cache
+from typing import Any, NamedTuple
 
 import numpy as np
 import skfem
 from scipy import sparse
 
 from parflex.base.array import Array
+from parflex.fe.plate.mesh import plate_mesh
 from parflex.fe.plate.polygon import centroid
 
+NONE = np.zeros((0, 2))
 KEPT, FINEST = 8, 3  # plates whose elements are kept, and how often halved at most
 
 
-def unknowns(corners: int, refine: int) -> int:
-    """The number of Argyris unknowns of the fan: 6 per node and 1 per edge."""
-    triangles = corners * 4**refine
-    edges = (3 * triangles + corners * 2**refine) // 2
-    return 6 * (1 + edges - triangles) + edges
+Points = tuple[tuple[float, ...], ...]
 
 
-def fan_mesh(corners: Array, refine: int) -> skfem.MeshTri:
-    """The triangles from the centroid (node 0) to the edges, each refined into four `refine` times."""
-    n = len(corners)
-    points = np.vstack([centroid(corners), corners]).T
-    i = np.arange(n)
-    return skfem.MeshTri(points, np.stack([0 * i, 1 + i, 1 + (i + 1) % n])).refined(refine)
+class About(NamedTuple):
+    """A mapping of triangles whose places are told from each one's own centre."""
+
+    mapping: Any
+
+    @property
+    def mesh(self) -> skfem.MeshTri:
+        """The triangles."""
+        return self.mapping.mesh
+
+    def F(self, X: Array, tind: Array) -> Array:
+        """The places (2, t, q) of points of the reference triangle."""
+        centre = np.mean(self.mesh.p[:, self.mesh.t[:, tind]], axis=1)
+        return np.asarray(self.mapping.F(X, tind=tind) - centre[:, :, None])
 
 
-def argyris(corners: Array, refine: int) -> skfem.Basis:
-    """The elements about the centroid: their polynomials are ill-conditioned far from their origin.
+class Argyris(skfem.ElementTriArgyris):  # type: ignore[misc]
+    """The Argyris element, its polynomials about each triangle's centre: about another origin they lose
+    digits, all of them in small triangles."""
+
+    def gdof(self, F: Any, w: dict[str, Array], i: int) -> Any:
+        centre = np.mean(w["v"], axis=0)
+        return super().gdof(F, w | {"v": w["v"] - centre, "e": w["e"] - centre}, i)
+
+    def gbasis(self, mapping: Any, X: Array, i: int, tind: Array | None = None) -> Any:
+        chosen = np.arange(mapping.mesh.t.shape[1]) if tind is None else tind
+        return super().gbasis(About(mapping), X, i, chosen)
+
+
+def argyris(corners: Array, refine: int, points: Array = NONE) -> skfem.Basis:
+    """The elements about the centroid, with nodes at points (k, 2): their polynomials are ill-conditioned
+    far from their origin.
 
     Those of the last plates are kept, since they take most of the time that modes take; read-only.
     """
     make = kept_elements if refine <= FINEST else argyris_elements
-    return make(tuple(map(tuple, (corners - centroid(corners)).tolist())), refine)
+    near, held = (tuple(map(tuple, (places - centroid(corners)).tolist())) for places in (corners, points))
+    return make(near, refine, held)
 
 
-def argyris_elements(corners: tuple[tuple[float, ...], ...], refine: int) -> skfem.Basis:
-    """The elements on a fan about the origin, with their arrays read-only."""
-    basis = skfem.Basis(fan_mesh(np.array(corners), refine), skfem.ElementTriArgyris(), intorder=10)
+def argyris_elements(corners: Points, refine: int, points: Points) -> skfem.Basis:
+    """The elements on a plate about the origin, with their arrays read-only."""
+    mesh = plate_mesh(np.array(corners), refine, np.reshape(np.array(points, dtype=float), (-1, 2)))
+    basis = skfem.Basis(mesh, Argyris(), intorder=10)
     fields = [part for functions in basis.basis for field in functions for part in field if part is not None]
     for array in (basis.mesh.p, basis.mesh.t, basis.dx, *fields):
         array.flags.writeable = False

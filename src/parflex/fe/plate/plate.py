@@ -2,7 +2,7 @@
 
 import warnings
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,8 +13,11 @@ from parflex.base.check import integer
 from parflex.base.errors import InputError
 from parflex.fe.body.basis import Basis, ComputedModes, FreeFree, change
 from parflex.fe.body.free_body import FreeBody
-from parflex.fe.plate.argyris import argyris, node_rows, unknowns
+from parflex.fe.plate.argyris import NONE, argyris, node_rows
+from parflex.fe.plate.mesh import unknowns
+from parflex.fe.plate.points import in_space, on_plate, places_of
 from parflex.fe.plate.polygon import centroid, convex_polygon
+from parflex.fe.plate.proportions import check_proportions
 from parflex.fe.plate.section import (
     Section,
     bending_form,
@@ -25,6 +28,9 @@ from parflex.fe.plate.section import (
     rigid_load,
     sampled,
 )
+from parflex.robot.attachments import attachment_nodes
+from parflex.robot.material import Material
+from parflex.robot.materials import chosen
 from parflex.robot.moments import Moments, shifted
 
 DEFAULT_REFINE = 2
@@ -34,16 +40,21 @@ UNRESOLVED = 0.05  # change of a frequency from the coarser mesh that is worth a
 def plate_modes(
     polygon: ArrayLike,
     thickness: float,
-    young: float,
-    poisson: float,
-    density: float,
-    n_modes: int | Basis,
+    young: float | None = None,
+    poisson: float | None = None,
+    density: float | None = None,
+    n_modes: int | Basis | None = None,
     refine: int | None = None,
+    *,
+    material: Material | str | None = None,
+    points: ArrayLike | None = None,
 ) -> ComputedModes:
     """Elastic modes of a plate of convex polygonal outline, free–free or in a basis of one's choice.
 
-    polygon (n, 2) m, either sense of rotation; thickness m; young N/m²; density kg/m³; n_modes is how
-    many free–free modes are kept (0: the rigid plate), or a basis. `refine` halves the triangles,
+    polygon (n, 2) m, either sense of rotation; thickness m; young N/m², poisson and density kg/m³, or a
+    material, such as "aluminium"; n_modes is how many free–free modes are kept (0: the rigid plate), or a
+    basis. points (k, 2) or (k, 3) m are where legs hold the plate, anywhere on it, by default its corners;
+    they become nodes, like the points and the tool of a basis. `refine` halves the triangles,
     fanned from the centroid, that many times; by default as often as the number of modes needs, at
     least twice. The error of a frequency is estimated by its change from the mesh once coarser;
     frequencies come from above.
@@ -52,18 +63,23 @@ def plate_modes(
     pairs are canonical: positive at the first corner that moves; of a pair, the first has the
     largest deflection at the first corner and the second vanishes there.
 
-    Raises InputError for a polygon that is not convex or crosses itself and for values no plate
-    has; warns where the number of modes cuts a degenerate pair in two, and where a frequency
-    changes by more than 5 % from the coarser mesh.
+    Raises InputError for a polygon that is not convex or crosses itself, for points off the plate, for a
+    material that is not known or not given, and for values no plate has; warns where the number of modes
+    cuts a degenerate pair in two, where a frequency changes by more than 5 % from the coarser mesh, and of
+    values that are hardly meant.
     """
-    corners = convex_polygon(polygon)
-    section = plate_section(thickness, young, poisson, density)
+    if n_modes is None:
+        raise InputError("n_modes is not given; say how many free-free modes are kept, or give a basis")
     basis = n_modes if isinstance(n_modes, Basis) else FreeFree(integer("n_modes", n_modes))
-    refine = fine_enough(len(corners), basis.n, refine)
-    modes = basis.modes(free_plate(corners, section, refine))
+    if points is not None:
+        basis = replace(basis, points=in_space(points))
+    made_of = chosen(material, young, poisson, density)
+    plate = described(polygon, thickness, made_of, places_of(basis.points), places_of(basis.tool))
+    refine = fine_enough(len(plate.corners), basis.n, refine)
+    modes = basis.modes(free_plate(plate, refine))
     if not len(modes.frequencies):
         return modes
-    coarse = coarse_frequencies(free_plate(corners, section, refine - 1), basis)
+    coarse = coarse_frequencies(free_plate(plate, refine - 1), basis)
     error = change(modes.frequencies, coarse)
     coarse_notes = coarse_mesh(error[: basis.n], refine)
     for note in (*(modes.notes if isinstance(basis, FreeFree) else ()), *coarse_notes):
@@ -89,18 +105,48 @@ def fine_enough(corners: int, n: int, refine: int | None) -> int:
 def plate_body(
     polygon: ArrayLike,
     thickness: float,
-    young: float,
-    poisson: float,
-    density: float,
+    young: float | None = None,
+    poisson: float | None = None,
+    density: float | None = None,
     refine: int = DEFAULT_REFINE,
+    *,
+    material: Material | str | None = None,
+    points: ArrayLike | None = None,
+    tool: ArrayLike | None = None,
 ) -> FreeBody:
-    """A free plate of convex polygonal outline; as `plate_modes`, for bases of one's choice.
+    """A free plate of convex polygonal outline; as `plate_modes`, for bases of one's choice, with a node at
+    the tool (2,) or (3,) m too.
 
-    Raises InputError for a polygon that is not convex or crosses itself and for values no plate has.
+    Raises InputError as that does.
     """
-    corners = convex_polygon(polygon)
-    section = plate_section(thickness, young, poisson, density)
-    return free_plate(corners, section, integer("refine", refine))
+    plate = described(polygon, thickness, chosen(material, young, poisson, density), points, tool)
+    return free_plate(plate, integer("refine", refine))
+
+
+class Plate(NamedTuple):
+    """A plate: its outline (n, 2) m, where legs hold it (k, 2), None for its corners, its tool (0 or 1, 2),
+    its material and its section."""
+
+    corners: Array
+    held: Array | None
+    tool: Array
+    material: Material
+    section: Section
+
+
+def described(
+    polygon: ArrayLike,
+    thickness: float,
+    material: Material,
+    points: ArrayLike | None,
+    tool: ArrayLike | None,
+) -> Plate:
+    """The plate, with joints and tool on it. Raises InputError as `plate_modes` does."""
+    corners, section = convex_polygon(polygon), plate_section(thickness, material)
+    check_proportions("polygon", corners, thickness)
+    held = None if points is None else on_plate(corners, in_space(points), "joint {}")
+    acted = NONE if tool is None else on_plate(corners, in_space(np.asarray(tool)[None]), "tool")
+    return Plate(corners, held, acted, material, section)
 
 
 def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
@@ -114,18 +160,21 @@ def coarse_mesh(error: Array, refine: int) -> tuple[str, ...]:
     )
 
 
-def free_plate(corners: Array, section: Section, refine: int) -> FreeBody:
+def free_plate(plate: Plate, refine: int) -> FreeBody:
     """The free plate: matrices and meaning of its Argyris unknowns."""
+    corners, section = plate.corners, plate.section
     place = np.append(centroid(corners), 0.0)
-    basis = argyris(corners, refine)
+    held = NONE if plate.held is None else plate.held
+    basis = argyris(corners, refine, np.concatenate([held, plate.tool]))
     mass = inertia_form(section).assemble(basis)
     size = np.linalg.norm(np.ptp(corners, axis=0))
 
     def moments(vectors: Array) -> Moments:
         return shifted(plate_moments(sampled(basis, vectors), section, *plate_quadrature(basis)), -place)
 
+    nodes = np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T + place
     return FreeBody(
-        nodes=np.vstack([basis.mesh.p, np.zeros(basis.mesh.nvertices)]).T + place,
+        nodes=nodes,
         stiffness=bending_form(section).assemble(basis),
         mass=mass,
         displacement=node_rows(basis, {2: (0, 1.0)}),
@@ -135,8 +184,11 @@ def free_plate(corners: Array, section: Section, refine: int) -> FreeBody:
         moments=moments,
         shift=float(section.D / (section.a * size**4)),
         triangles=basis.mesh.t.T.copy(),
-        corners=tuple(range(1, len(corners) + 1)),
+        corners=tuple(range(1, len(corners) + 1))
+        if plate.held is None
+        else attachment_nodes(nodes, in_space(held)),
         source=f"Kirchhoff plate, Argyris triangles, {basis.N} unknowns (refine={refine})",
+        materials=(plate.material,),
     )
 
 

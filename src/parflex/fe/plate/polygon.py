@@ -63,6 +63,23 @@ def crossed(a: Array, b: Array) -> Array:
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
 
 
+def feet(corners: Array, points: Array) -> tuple[Array, Array]:
+    """The nearest points (k, n, 2) of each edge of an outline (n, 2) to points (k, 2), and how far they are
+    (k, n), m."""
+    along = np.roll(corners, -1, axis=0) - corners
+    from_start = points[:, None] - corners
+    part = np.clip(np.sum(from_start * along, axis=-1) / np.sum(along**2, axis=-1), 0.0, 1.0)
+    foot = corners + part[..., None] * along
+    return foot, np.asarray(np.linalg.norm(points[:, None] - foot, axis=-1))
+
+
+def outside(corners: Array, points: Array) -> Array:
+    """The distance (k,) m of points (k, 2) from a convex outline (n, 2), anticlockwise; 0 of those in it."""
+    along = np.roll(corners, -1, axis=0) - corners
+    within = np.all(crossed(along, points[:, None] - corners) >= 0, axis=1)
+    return np.asarray(np.where(within, 0.0, np.min(feet(corners, points)[1], axis=1)))
+
+
 def centroid(corners: Array) -> Array:
     """The centre (2,) of a polygon's area."""
     near = corners - corners[0]

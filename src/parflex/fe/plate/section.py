@@ -12,8 +12,8 @@ import skfem
 from skfem.helpers import dd, ddot, dot, grad, trace
 
 from parflex.base.array import Array
-from parflex.base.check import positive, scalar
-from parflex.base.errors import InputError
+from parflex.base.check import positive
+from parflex.robot.material import Material
 from parflex.robot.moments import Moments
 
 
@@ -26,12 +26,9 @@ class Section(NamedTuple):
     poisson: float
 
 
-def plate_section(thickness: float, young: float, poisson: float, density: float) -> Section:
-    """The section of a plate. Raises InputError for values that no plate has."""
-    h, E = positive("thickness", thickness), positive("young", young)
-    rho, nu = positive("density", density), scalar("poisson", poisson)
-    if not -1 < nu < 0.5:
-        raise InputError(f"poisson is {nu}; it must lie between -1 and 0.5")
+def plate_section(thickness: float, made_of: Material) -> Section:
+    """The section of a plate. Raises InputError for a thickness that no plate has."""
+    h, E, rho, nu = positive("thickness", thickness), made_of.young, made_of.density, made_of.poisson
     return Section(rho * h, rho * h**3 / 12, E * h**3 / (12 * (1 - nu**2)), nu)
 
 

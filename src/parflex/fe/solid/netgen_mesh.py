@@ -17,9 +17,11 @@ from parflex.base.extra import extra
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
 from parflex.fe.plate.polygon import simple_polygon
+from parflex.fe.plate.proportions import check_proportions
 from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
 from parflex.fe.units import length_unit, unit_of_step
 
+BLOCK = 3.0  # of the outline's size: thickness beyond which a block is likely in another unit
 LEAST, UNKNOWNS, UTMOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
 TRIES = 8
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
@@ -29,8 +31,8 @@ ORDER = [0, 1, 2, 3, *(4 + NETGEN_EDGES.index((a, b)) for a, b in np.sort(EDGES)
 
 @dataclass(frozen=True, eq=False)
 class Rib:
-    """A prism on a plate: its outline (n, 2) m, its height above the top, or below the bottom where it
-    is negative, m, and its part, for its material."""
+    """A prism on a plate: its outline, its height above the top, or below the bottom where it is negative,
+    m, and its part, for its material."""
 
     outline: ArrayLike
     height: float
@@ -56,32 +58,40 @@ def outline_mesh(
     fine_at: ArrayLike = (),
     fine: float | None = None,
 ) -> SolidMesh:
-    """A mesh of a plate of any simple outline (n, 2) m, its middle plane at z = 0.
+    """A mesh of a plate of any simple outline, its middle plane at z = 0.
 
-    A hole is an outline, or (x, y, radius). size m bounds the edges of the elements; by default it is
-    chosen for some 32,000 unknowns, at most 35,000. Around the points fine_at (k, 3) m they are at
-    most `fine` m.
+    An outline, of the plate, a hole, a rib or a step, is corners (n, 2) m or a circle (x, y, radius), so
+    that `outline_mesh((0, 0, 0.17), 0.02, holes=[(0, 0, 0.03)])` is a ring. size m bounds the edges of the
+    elements; by default it is chosen for some 32,000 unknowns, at most 35,000. Around the points fine_at
+    (k, 3) m they are at most `fine` m.
 
     Raises InputError for outlines that cross themselves, and where Netgen is not installed.
     """
     occ = netgen()
     half = 0.5 * positive("thickness", thickness)
-    solids = [(prism(occ, simple_polygon("outline", outline), -half, half), 0)]
+    solids = [(column(occ, "outline", outline, -half, half), 0)]
+    check_proportions("outline", bounds(solids[0][0])[:, :2], thickness, BLOCK)
     for number, step in enumerate(steps):
-        region = simple_polygon(f"steps[{number}].outline", step.outline)
+        name = f"steps[{number}].outline"
         tall = 0.5 * positive(f"steps[{number}].thickness", step.thickness)
-        column = prism(occ, region, -half, half)
-        solids = [(shape - column, part) for shape, part in solids]
-        solids.append((prism(occ, region, -tall, tall), integer(f"steps[{number}].part", step.part)))
+        cut = column(occ, name, step.outline, -half, half)
+        solids = [(shape - cut, part) for shape, part in solids]
+        solids.append(
+            (column(occ, name, step.outline, -tall, tall), integer(f"steps[{number}].part", step.part))
+        )
     for number, rib in enumerate(ribs):
-        region = simple_polygon(f"ribs[{number}].outline", rib.outline)
         if not np.isfinite(rib.height) or rib.height == 0:
             raise InputError(f"ribs[{number}].height is {rib.height}; it cannot be zero")
         ends = (half, half + rib.height) if rib.height > 0 else (-half + rib.height, -half)
-        solids.append((prism(occ, region, *ends), integer(f"ribs[{number}].part", rib.part)))
+        solids.append(
+            (
+                column(occ, f"ribs[{number}].outline", rib.outline, *ends),
+                integer(f"ribs[{number}].part", rib.part),
+            )
+        )
     top = 2.0 * max(np.max(np.abs(bounds(shape))) for shape, _ in solids)
     for number, hole in enumerate(holes):
-        cut = bore(occ, f"holes[{number}]", hole, top)
+        cut = column(occ, f"holes[{number}]", hole, -top, top)
         solids = [(shape - cut, part) for shape, part in solids]
     return meshed(one_shape(occ, solids), size, fine_at, fine)
 
@@ -134,13 +144,13 @@ def prism(occ: Any, corners: Array, bottom: float, top: float) -> Any:
     return plane.Face().Extrude(top - bottom)
 
 
-def bore(occ: Any, name: str, hole: ArrayLike, top: float) -> Any:
-    """The solid that a hole takes away: a cylinder (x, y, radius), or a prism."""
-    given = np.asarray(hole, dtype=object)
+def column(occ: Any, name: str, outline: ArrayLike, bottom: float, top: float) -> Any:
+    """The solid over an outline: a cylinder over a circle (x, y, radius), a prism over corners."""
+    given = np.asarray(outline, dtype=object)
     if given.ndim > 1:
-        return prism(occ, simple_polygon(name, hole), -top, top)
-    x, y, radius = exactly(name, hole, (3,))
-    return occ.Cylinder((x, y, -top), occ.Z, r=positive(f"{name} radius", radius), h=2 * top)
+        return prism(occ, simple_polygon(name, outline), bottom, top)
+    x, y, radius = exactly(name, outline, (3,))
+    return occ.Cylinder((x, y, bottom), occ.Z, r=positive(f"{name} radius", radius), h=top - bottom)
 
 
 def one_shape(occ: Any, solids: list[tuple[Any, int]]) -> Any:

@@ -14,7 +14,7 @@ from parflex.base.check import exactly, finite, of_type
 from parflex.base.errors import InputError
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.elements import TET10, gradients
-from parflex.fe.body.material import Solid
+from parflex.fe.body.solid import Solid
 from parflex.fe.solid.mesh import SolidMesh
 from parflex.robot.modes import Modes
 

@@ -10,27 +10,31 @@ import numpy as np
 from scipy import sparse
 
 from parflex.base.array import Array
-from parflex.base.check import all_of_type, of_type
+from parflex.base.check import of_type
 from parflex.base.errors import InputError
 from parflex.fe.body.elements import TET10, Elements, gradients, mass_matrix, sum_of_elements
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse
-from parflex.fe.body.material import Material, Solid
 from parflex.fe.body.nodal import body_of_matrices
+from parflex.fe.body.solid import Solid
 from parflex.fe.solid.mesh import EDGES, SolidMesh
+from parflex.robot.material import Material
+from parflex.robot.materials import chosen
 
 STRAIGHT, CURVED = (2, 4), (4, 8)  # degrees of quadrature of K and M
 HEAVIEST, LARGEST, SMALLEST = 20e3, 20.0, 5e-3  # kg, m: beyond them a unit is likely to be wrong
 
 
-def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_size: bool = False) -> FreeBody:
-    """The free body of a mesh, one material for all or one for each part.
+def solid_body(
+    mesh: SolidMesh, material: Material | str | Sequence[Material | str], any_size: bool = False
+) -> FreeBody:
+    """The free body of a mesh, one material for all or one for each part, by name or by its numbers.
 
-    Raises InputError for a part without material, and, unless `any_size`, for a body lighter and
-    smaller or heavier and larger than platforms are: its unit is likely to be wrong.
+    Raises InputError for a part without material, a name that it does not know, and, unless `any_size`, for
+    a body lighter and smaller or heavier and larger than platforms are: its unit is likely to be wrong.
     """
     of_type("mesh", mesh, SolidMesh)
-    materials = (material,) if isinstance(material, Material) else all_of_type("material", material, Material)
+    materials = tuple(map(chosen, material if isinstance(material, (list, tuple)) else [material]))
     parts = 1 + int(np.max(mesh.parts))
     if len(materials) not in (1, parts):
         raise InputError(f"material has {len(materials)} entries, the mesh {parts} parts; give one for each")
@@ -48,7 +52,7 @@ def solid_body(mesh: SolidMesh, material: Material | Sequence[Material], any_siz
         source=f"solid, {len(mesh.elements)} second-order tetrahedra, {3 * len(mesh.nodes)} unknowns",
         notes=mesh.notes,
     )
-    return replace(body, solid=solid)
+    return replace(body, solid=solid, materials=materials)
 
 
 def check_unit(mesh: SolidMesh, mass: float) -> None:
