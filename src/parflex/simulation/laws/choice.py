@@ -2,9 +2,9 @@
 
 from typing import NamedTuple
 
-import numpy as np
 from scipy.linalg import qr
 
+from parflex.analysis.mobility import motions, rank, scaled_closure
 from parflex.analysis.small_motions import about
 from parflex.mechanics.output import FrameOutput
 from parflex.model.core import core_of
@@ -28,11 +28,10 @@ class Choice(NamedTuple):
 def default_control(model: Model, way: Trajectory) -> Choice:
     """The legs' servos along a trajectory, or computed torque where they cannot hold the robot at home."""
     core = core_of(model)
-    motions = about(core.readable, core.robot.home)
     if core.mechanism.layout.carried:
         why = "the legs' servos need legs with closed-form inverse geometry"
         return Choice(held_frame(model, way), why)
-    locked = decisive(motions.locked_poles())
+    locked = decisive(about(core.readable, core.robot.home).locked_poles())
     if grows(locked):
         return Choice(held_frame(model, way), buckling(locked))
     return Choice(Servo(model, way))
@@ -41,10 +40,7 @@ def default_control(model: Model, way: Trajectory) -> Choice:
 def held_frame(model: Model, way: Trajectory) -> ComputedTorque:
     """Computed torque of as many rows of V̇_p as the platform has freedoms, those that are most its own."""
     core = core_of(model)
-    motions = about(core.readable, core.robot.home)
-    platform = motions.T[:6] * np.repeat([1.0, motions.functions.mechanism.size], 3)[:, None]
-    _, triangle, order = qr(platform.T, pivoting=True, mode="economic")
-    strengths = np.abs(np.diag(triangle))
-    freedoms = min(int(np.sum(strengths > 1e-6 * strengths[0])), model.robot.n_forces)
-    rows = tuple(sorted(int(row) for row in order[:freedoms]))
-    return ComputedTorque(model, way, KP, KD, FrameOutput(rows))
+    G = scaled_closure(core.mechanism, core.flat(core.robot.home))
+    _, triangle, order = qr(motions(core.mechanism, G).platform.T, pivoting=True, mode="economic")
+    freedoms = min(rank(triangle), model.robot.n_forces)
+    return ComputedTorque(model, way, KP, KD, FrameOutput(tuple(sorted(order[:freedoms].tolist()))))

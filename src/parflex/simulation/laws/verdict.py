@@ -23,7 +23,9 @@ class Verdict:
 
 
 def decisive(poles: Array) -> complex:
-    """The pole of the fastest growth, or, where none grows, the rightmost one that is not faint."""
+    """The pole of the fastest growth, or, where none grows, the rightmost one; zero where there are none."""
+    if len(poles) == 0:
+        return 0j
     growing = poles[poles.real > FAINT * np.abs(poles)]
     return complex(poles[np.argmax(poles.real)] if len(growing) == 0 else growing[np.argmax(growing.real)])
 
