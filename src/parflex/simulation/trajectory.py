@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.spatial.transform import Rotation
 
 from parflex.base.array import Array
 from parflex.base.check import all_of_type, exactly, finite, rotation_matrix, scalar
@@ -98,6 +97,8 @@ class Trajectory:
         >>> there_and_back.sample([0.0, 1.5, 3.0]).position[:, 0]
         array([0. , 0.1, 0. ])
         """
+        from scipy.spatial.transform import Rotation
+
         p, R = np.asarray(start.position), Rotation.from_matrix(np.asarray(start.rotation))
         steps = [exactly(f"moves[{i}]", move, (2, 3)) for i, move in enumerate(moves)]
         positions = [p, *(p + step[0] for step in steps), p]

@@ -2,8 +2,6 @@
 
 from typing import NamedTuple
 
-from scipy.linalg import qr
-
 from parflex.analysis.mobility import motions, rank, scaled_closure
 from parflex.analysis.small_motions import about
 from parflex.mechanics.output import FrameOutput
@@ -39,6 +37,8 @@ def default_control(model: Model, way: Trajectory) -> Choice:
 
 def held_frame(model: Model, way: Trajectory) -> ComputedTorque:
     """Computed torque of as many rows of V̇_p as the platform has freedoms, those that are most its own."""
+    from scipy.linalg import qr
+
     core = core_of(model)
     G = scaled_closure(core.mechanism, core.flat(core.robot.home))
     _, triangle, order = qr(motions(core.mechanism, G).platform.T, pivoting=True, mode="economic")
