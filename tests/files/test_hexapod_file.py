@@ -355,3 +355,31 @@ def test_a_robot_without_home_is_told_both_ways_out(tmp_path):
         pf.InputError, match=r"robot.toml:1: the file: home is missing; .* or describe a \[hexapod"
     ):
         loaded(tmp_path, 'format = "parflex-robot-1"\n')
+
+
+OTHER = '[chain.other]\njoints = [{{ type = "revolute", {} }}]\ntips = [{{ frame = 1 }}]\n[[leg]]'
+SLIPS = {
+    "grams": ("mass = 4\n", "mass = 73000\n", "13: platform.mass is 73000 kg, .* if it is in g,"),
+    "kg mm²": ("[0.1, 0.1, 0.2", "[1e6, 1e6, 2e6", r"14: platform.inertia is 2000000 kg m\^2, .* give 2 kg"),
+    "millimetres": ("position = [0, 0, 0.65]", "position = [0, 0, 650]", "2: home.position is 650 m"),
+    "a leg's foot": ("origin = [0.4", "origin = [400", r"\d+: leg\[0\].origin is 400 m"),
+    "degrees": (
+        "[[leg]]", OTHER.format("alpha = -90"),
+        r"\d+: chain.other.joints\[0\].alpha is -90 rad, .* if it is in deg",
+    ),
+    "a link in grams": (
+        "[[leg]]", OTHER.format("mass = 3e4"),
+        r"\d+: chain.other.joints\[0\].mass is 30000 kg",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SLIPS)
+def test_likely_slips_are_told_with_their_line(name, tmp_path):
+    """By the names that the file has for them, whatever is then found wrong with the robot."""
+    old, new, words = SLIPS[name]
+    text = three(JACK)
+    assert old in text
+    with pytest.warns(pf.ImplausibleValue, match=f"robot.toml:{words}") as caught:
+        loaded(tmp_path, text.replace(old, new, 1))
+    assert len(caught) == 1
