@@ -392,7 +392,7 @@ BY_KIND = {
     "RPS": (f"cylinder = {BAR}\nrod = {BAR}\ndamping = 3", ("cylinder", "rod"), {"damping": 3.0}),
     "RUS": (f'crank = {BAR}\nrod = {BAR}\nstroke = ["-1 rad", 1]', ("crank", "rod"), {"stroke": (-1, 1)}),
     "PUS": (f"carriage = 2\nrod = {BAR}\nrail = [0, 1, 0]", ("rod",), {"carriage": 2.0, "rail": (0, 1, 0)}),
-    "PRS": (f'carriage = "2 kg"\nrod = {BAR}\nrotor_inertia = 1', ("rod",), {"carriage": 2, "rotor_inertia": 1}),
+    "PRS": (f'carriage = "2 kg"\nrod = {BAR}\nrest = 1', ("rod",), {"carriage": 2, "rest": 1.0}),
     "Delta": (f'arm = {BAR}\nrod = {BAR}\nspacing = "90 mm"', ("arm", "rod"), {"spacing": 0.09}),
 }  # fmt: skip
 
