@@ -7,7 +7,7 @@ from parflex.views import plot
 
 side = np.radians([-120, -60, 0, 60, 120, 180])
 outline = 0.5 * np.stack([1.2 * np.cos(side), np.sin(side)], axis=-1)
-modes = pf.fe.plate_modes(outline, thickness=0.02, young=70e9, poisson=0.33, density=2700, n_modes=9)
+modes = pf.fe.plate_modes(outline, thickness=0.02, material="aluminium", n_modes=9)
 body = pf.FlexibleBody.from_modes(modes, damping_ratio=0.02).with_payload(node=0, mass=25.0)
 robot = pf.robots.gough_stewart(platform=body)
 model = pf.Model(robot)

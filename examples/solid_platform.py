@@ -9,7 +9,7 @@ from parflex.views import plot
 joints = np.column_stack([corners(), np.zeros(6)])
 bar = [(-0.4, -0.02), (0.4, -0.02), (0.4, 0.02), (-0.4, 0.02)]
 mesh = pf.fe.outline_mesh(corners(), 0.012, holes=[(0.0, 0.2, 0.1)], ribs=[pf.fe.Rib(bar, 0.03)], size=0.06)
-body = pf.fe.solid_body(mesh, pf.fe.Material(young=70e9, poisson=0.33, density=2700))
+body = pf.fe.solid_body(mesh, "aluminium")
 modes = pf.fe.modes(body, joints, tool=(0.0, -0.25, 0.006), radius=0.045)
 print("frequencies (Hz):", np.round(modes.frequencies / (2 * np.pi)))
 print(f"static compliance at joints and tool is right to {100 * modes.error.compliance.max():.2g} %,")

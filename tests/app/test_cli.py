@@ -156,8 +156,6 @@ def test_init_keeps_what_is_there(parflex, tmp_path):
     assert not (tmp_path / "robot.toml").exists()
     assert parflex("init", "--force")[0] == 0
     assert (tmp_path / "robot.trajectory.toml").read_text() != "mine"
-    code, _, err = parflex("init", "other", "--robot", "biped")
-    assert "--robot is 'biped'; choose gough-stewart" in err
 
 
 def test_check_tells_limits_and_reach(parflex, tmp_path):

@@ -44,3 +44,12 @@ def test_modal_file_and_step_file(tmp_path):
     assert found.modes > 3
     held, wanted = found.nodes[list(found.attachments)], np.array(solid["attachments"])
     assert np.allclose(held - held[0], wanted - wanted[0], rtol=0, atol=1e-9)  # wherever the frame lies
+
+
+def test_materials_are_those_of_the_table():
+    page = (DOCS / "platforms.md").read_text(encoding="utf-8")
+    for made in pf.fe.MATERIALS.values():
+        numbers = f"{made.young / 1e9:g} | {made.poisson:g} | {made.density:g}"
+        assert f"| {made.name} | {numbers} | {made.source} |" in page
+    rows = re.findall(r"^\| [^|]+ \| [\d.]+ \| [\d.]+ \| \d+ \| ", page, re.MULTILINE)
+    assert len(rows) == len(pf.fe.MATERIALS)

@@ -7,6 +7,7 @@ import parflex as pf
 from measures import random_states, relative
 from parflex.files.robot_file import read_robot
 from parflex.robots.hexapod_geometry import HexapodGeometry
+from parflex.robots.legs import ALL_LEG_KINDS
 
 HEXAPOD = """\
 format = "parflex-robot-1"
@@ -355,3 +356,65 @@ def test_a_robot_without_home_is_told_both_ways_out(tmp_path):
         pf.InputError, match=r"robot.toml:1: the file: home is missing; .* or describe a \[hexapod"
     ):
         loaded(tmp_path, 'format = "parflex-robot-1"\n')
+
+
+OTHER = '[chain.other]\njoints = [{{ type = "revolute", {} }}]\ntips = [{{ frame = 1 }}]\n[[leg]]'
+SLIPS = {
+    "grams": ("mass = 4\n", "mass = 73000\n", "13: platform.mass is 73000 kg, .* if it is in g,"),
+    "kg mm²": ("[0.1, 0.1, 0.2", "[1e6, 1e6, 2e6", r"14: platform.inertia is 2000000 kg m\^2, .* give 2 kg"),
+    "millimetres": ("position = [0, 0, 0.65]", "position = [0, 0, 650]", "2: home.position is 650 m"),
+    "a leg's foot": ("origin = [0.4", "origin = [400", r"\d+: leg\[0\].origin is 400 m"),
+    "degrees": (
+        "[[leg]]", OTHER.format("alpha = -90"),
+        r"\d+: chain.other.joints\[0\].alpha is -90 rad, .* if it is in deg",
+    ),
+    "a link in grams": (
+        "[[leg]]", OTHER.format("mass = 3e4"),
+        r"\d+: chain.other.joints\[0\].mass is 30000 kg",
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SLIPS)
+def test_likely_slips_are_told_with_their_line(name, tmp_path):
+    """By the names that the file has for them, whatever is then found wrong with the robot."""
+    old, new, words = SLIPS[name]
+    text = three(JACK)
+    assert old in text
+    with pytest.warns(pf.ImplausibleValue, match=f"robot.toml:{words}") as caught:
+        loaded(tmp_path, text.replace(old, new, 1))
+    assert len(caught) == 1
+
+
+BAR = '{ mass = 0.5, length = "400 mm", outer = "20 mm" }'
+BY_KIND = {
+    "UPS": (f"cylinder = {BAR}\nrod = {BAR}\naxis = [1, 0, 0]", ("cylinder", "rod"), {"axis": (1, 0, 0)}),
+    "RPS": (f"cylinder = {BAR}\nrod = {BAR}\ndamping = 3", ("cylinder", "rod"), {"damping": 3.0}),
+    "RUS": (f'crank = {BAR}\nrod = {BAR}\nstroke = ["-1 rad", 1]', ("crank", "rod"), {"stroke": (-1, 1)}),
+    "PUS": (f"carriage = 2\nrod = {BAR}\nrail = [0, 1, 0]", ("rod",), {"carriage": 2.0, "rail": (0, 1, 0)}),
+    "PRS": (f'carriage = "2 kg"\nrod = {BAR}\nrest = 1', ("rod",), {"carriage": 2, "rest": 1.0}),
+    "Delta": (f'arm = {BAR}\nrod = {BAR}\nspacing = "90 mm"', ("arm", "rod"), {"spacing": 0.09}),
+}  # fmt: skip
+
+
+def test_every_kind_has_its_table():
+    assert set(BY_KIND) == {kind.word for kind in ALL_LEG_KINDS}
+
+
+@pytest.mark.parametrize("name", BY_KIND)
+def test_every_kind_is_read(name, tmp_path):
+    """The joints and tips of the same leg made in Python."""
+    lines, bars, others = BY_KIND[name]
+    [kind] = [kind for kind in ALL_LEG_KINDS if kind.word == name]
+    bar = pf.Bar(mass=0.5, length=0.4, outer=0.02)
+    expected = kind(**dict.fromkeys(bars, bar), **others)
+    text = JACKS.format(
+        chain=f'type = "{name}"\n{lines}', side=0.2, legs=THIRD.format(x=0, y=0, angle=0, number=0)
+    )
+    text = text.replace("attachments = [0]", f"attachments = {list(range(len(expected.tips)))}")
+    (tmp_path / "robot.toml").write_text(text, encoding="utf-8")
+    [leg] = read_robot(tmp_path / "robot.toml").robot.legs
+    assert [repr(joint) for joint in leg.joints] == [repr(joint) for joint in expected.joints]
+    assert [(tip.frame, *tip.offset) for tip in leg.tips] == [
+        (tip.frame, *tip.offset) for tip in expected.tips
+    ]

@@ -162,7 +162,8 @@ def save_modes(found: "ComputedModes", options: Options, start: float) -> None:
     from parflex.fe import write_modes
     from parflex.views import plot
 
-    origin = (0.0, 0.0, 0.0) if options.is_papers and not options.imports else None
+    centred = options.disc or (options.is_papers and not options.imports)
+    origin = (0.0, 0.0, 0.0) if centred else None
     file = write_modes(found, options.out / "modes.h5", origin=origin, damping_ratio=options.damping)
     words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
     console.print(

@@ -25,6 +25,7 @@ from parflex.fe.imports.modal_arrays import read_arrays
 from parflex.fe.imports.nastran.nastran import read_nastran
 from parflex.fe.modal_file import read_modes, write_modes
 from parflex.fe.plate.plate import plate_body, plate_modes
+from parflex.fe.plate.polygon import circle
 from parflex.fe.solid.mesh import SolidMesh, solid_mesh
 from parflex.fe.solid.mesh_file import read_mesh
 from parflex.fe.solid.netgen_mesh import Rib, Step, outline_mesh, step_mesh
@@ -60,6 +61,7 @@ __all__ = [
     "body_of_matrices",
     "calculix_body",
     "check_rows",
+    "circle",
     "converged",
     "import_modes",
     "material",

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
@@ -57,18 +58,22 @@ def from_disc(table: DiscTable, folder: Path) -> FlexibleBody:
 
     made_of = table.made_of
     holes = [] if table.bore is None else [(0.0, 0.0, table.bore / 2)]
-    outline = (0.0, 0.0, table.diameter / 2)
-    return from_solid(table, outline_mesh(outline, table.thickness, holes, size=table.size), made_of)
+    mesh = outline_mesh((0.0, 0.0, table.diameter / 2), table.thickness, holes, size=table.size)
+    return from_solid(table, mesh, made_of, (0.0, 0.0, 0.0))
 
 
-def from_solid(table: MeshedTable, mesh: "SolidMesh", made_of: Material) -> FlexibleBody:
-    """A mesh with computed modes, held as its table says."""
+def from_solid(
+    table: MeshedTable, mesh: "SolidMesh", made_of: Material, centre: ArrayLike | None = None
+) -> FlexibleBody:
+    """A mesh with computed modes, held as its table says; its centre, by default that of mass, is the origin
+    where the table names none."""
     from parflex.fe import modes, solid_body
 
     body = solid_body(mesh, made_of)
     places = (table.attachments, table.tool, table.radius)
     found = modes(body, *places, n=table.modes)
-    return FlexibleBody.from_modes(found, origin=table.origin, damping_ratio=table.damping_ratio)
+    origin = centre if table.origin is None else table.origin
+    return FlexibleBody.from_modes(found, origin=origin, damping_ratio=table.damping_ratio)
 
 
 def from_program(table: ImportedTable, folder: Path) -> FlexibleBody:

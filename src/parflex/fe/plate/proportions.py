@@ -7,6 +7,7 @@ from parflex.base.kinds import LENGTH
 from parflex.base.plausible import doubt, usual
 
 THINNEST, THICKEST = 1e-4, 0.5  # thickness of a plate, of its size
+FLAT = 1 / 120  # of a solid plate: elements of some 35,000 unknowns cannot bend in a thinner one
 
 
 def check_proportions(name: str, outline: Array, thickness: float, most: float = THICKEST) -> None:
@@ -18,3 +19,13 @@ def check_proportions(name: str, outline: Array, thickness: float, most: float =
         likely = THINNEST * size <= meant <= most * size
         hint = f'did you mean "{1e3 * meant:.6g} mm"?' if likely else "is its unit right?"
         doubt(f"thickness is {thickness:.6g} m on a plate of {size:.6g} m; {hint}")
+
+
+def check_flat(size: float, thickness: float) -> None:
+    """Doubt a solid plate of a size m that is too thin for solid elements."""
+    if THINNEST * size <= thickness < FLAT * size:
+        doubt(
+            f"thickness is {thickness:.6g} m on a plate of {size:.6g} m, too thin for the elements of a "
+            f"solid, whose frequencies come out too high; make it a thin plate (a polygon; pf.fe.circle has "
+            f"the corners of a round one)"
+        )

@@ -22,6 +22,10 @@ FLAT = 1e-9  # volume below which an element has none, of its longest edge cubed
 COINCIDENT = 1e-9  # distance of nodes that are one, of the body's size
 
 
+class Folded(InputError):
+    """An element is folded by its curved edges."""
+
+
 @dataclass(frozen=True, eq=False)
 class SolidMesh:
     """Tetrahedra with ten nodes: nodes (K, 3) m, elements (E, 10) node numbers (corners, then the middles
@@ -138,7 +142,7 @@ def unfolded(r: Array, cells: Array) -> None:
     """Raise InputError where curved edges fold an element."""
     worst = np.min(np.linalg.det(jacobians(r[cells], TET10.at(TET10.points.T)[1])), axis=1)
     if np.any(worst <= 0):
-        raise InputError(
+        raise Folded(
             f"element {int(np.argmin(worst))} is folded by its curved edges; mesh finer there, or with "
             f"straight edges"
         )

@@ -17,13 +17,13 @@ from parflex.base.extra import extra
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
 from parflex.fe.plate.polygon import simple_polygon
-from parflex.fe.plate.proportions import check_proportions
-from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
+from parflex.fe.plate.proportions import check_flat, check_proportions
+from parflex.fe.solid.mesh import EDGES, MIRRORED, Folded, SolidMesh, solid_mesh
 from parflex.fe.units import length_unit, unit_of_step
 
 BLOCK = 3.0  # of the outline's size: thickness beyond which a block is likely in another unit
 LEAST, UNKNOWNS, UTMOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
-TRIES = 8
+TRIES, FINER = 8, 0.7
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
 NETGEN_EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
 ORDER = [0, 1, 2, 3, *(4 + NETGEN_EDGES.index((a, b)) for a, b in np.sort(EDGES).tolist())]
@@ -70,7 +70,9 @@ def outline_mesh(
     occ = netgen()
     half = 0.5 * positive("thickness", thickness)
     solids = [(column(occ, "outline", outline, -half, half), 0)]
-    check_proportions("outline", bounds(solids[0][0])[:, :2], thickness, BLOCK)
+    box = bounds(solids[0][0])[:, :2]
+    check_proportions("outline", box, thickness, BLOCK)
+    check_flat(float(np.max(np.ptp(box, axis=0))), thickness)
     for number, step in enumerate(steps):
         name = f"steps[{number}].outline"
         tall = 0.5 * positive(f"steps[{number}].thickness", step.thickness)
@@ -193,8 +195,14 @@ def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> So
         return tetrahedra(shape, positive("size", size), near, fine)
     trial, power = float(np.prod(np.ptp(bounds(shape), axis=0)) ** (1 / 3)) / 4, 0.45
     best: SolidMesh | None = None
-    for _ in range(TRIES):
-        mesh = tetrahedra(shape, trial, near, fine)
+    for tried in range(TRIES):
+        try:
+            mesh = tetrahedra(shape, trial, near, fine)
+        except Folded:  # too coarse for a curved face
+            if tried + 1 == TRIES and best is None:
+                raise
+            trial *= FINER
+            continue
         count = 3 * len(mesh.nodes)
         if count <= UTMOST and (best is None or count > 3 * len(best.nodes)):
             best = mesh
