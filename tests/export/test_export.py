@@ -44,11 +44,23 @@ def mixed() -> pf.Robot:
     return pf.Robot(legs, sample.body, sample.gravity, sample.home_pose)
 
 
+@cache
+def table() -> pf.Robot:
+    """Of one freedom: posts and a slide; of one output, where CasADi takes the root of a square for |x|."""
+    posts = [pf.Leg(np.eye(3), (0, y, 0), (), (pf.Tip(0, attachment=i),)) for i, y in enumerate((0.1, -0.1))]
+    hinge = pf.Joint(0, 0, M=0.1, I=np.eye(3) * 1e-3, alpha=np.pi / 2)
+    slide = pf.Joint(1, 1, 1, M=0.5, MS=(0, 0, -0.1), I=np.diag([0.02, 0.02, 0]), alpha=np.pi / 2)
+    jack = pf.Leg(np.eye(3), (0.5, 0, -0.6), (hinge, slide), (pf.Tip(2, attachment=2),))
+    body = pf.FlexibleBody.rigid(10.0, (0.25, 0, 0), np.eye(3), [(0, 0.1, 0), (0, -0.1, 0), (0.5, 0, 0)])
+    return pf.Robot((*posts, jack), body)
+
+
 ROBOTS = {
     "gough_stewart": (cache(lambda: pf.robots.gough_stewart(modes=3)), pf.FrameOutput()),
     "delta": (cache(lambda: pf.robots.delta(modes=0)), pf.FrameOutput((0, 1, 2))),
     "carried": (lambda: carried().robot, carried().output),
     "mixed": (mixed, pf.FrameOutput()),
+    "table": (table, pf.FrameOutput((4,))),
 }
 SLOWER = [pytest.param(name, marks=pytest.mark.slow) for name in ("gough_stewart", "mixed")]
 
@@ -83,7 +95,7 @@ def compiled(at, level="-O0"):
 
 
 @compiled_here
-@pytest.mark.parametrize("name", ["delta", "carried", *SLOWER])
+@pytest.mark.parametrize("name", ["delta", "carried", "table", *SLOWER])
 def test_self_test_passes_and_the_library_agrees(folder_of, name):
     at = folder_of(name)
     library = compiled(at, "-O1" if name == "gough_stewart" else "-O0")

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 import cases
 import parflex as pf
 from paper_robot import PLATE, corners
+from parflex.compiled import ALL_BACKENDS
 from rewriting import reframed
 
 NAN = float("nan")
@@ -68,6 +69,10 @@ CASES = {
     "tip on no link": (
         lambda: pf.Leg(UPRIGHT, (0, 0, 0), leg().joints, (pf.Tip(4),)),
         "Tip.frame is 4; this leg has links 1 … 3",
+    ),
+    "tip on a post's joint": (
+        lambda: pf.Leg(UPRIGHT, (0, 0, 0), (), (pf.Tip(1),)),
+        "Tip.frame is 1; this leg has no links, only its base, frame 0",
     ),
     "fewer attachments than legs": (
         lambda: pf.robots.gough_stewart(
@@ -389,22 +394,34 @@ def test_too_soft_for_its_weight(model_of):
         soft_model(model_of, 0.02).equilibrium(*model_of(5).robot.home_pose)
 
 
-@pytest.mark.parametrize("backend", ["numpy", "vm"])
-def test_legs_without_inertia_are_refused(backend):
-    """A is singular: no acceleration is finite, and a simulation does not even start."""
-    good = pf.robots.gough_stewart(0)
+@pytest.mark.parametrize("backend", ALL_BACKENDS)
+@pytest.mark.parametrize("good", [pf.robots.gough_stewart(0), pf.robots.rps3()], ids=["6-UPS", "3-RPS"])
+def test_legs_without_inertia_are_refused(good, backend):
+    """A is singular: no acceleration is finite, no simulation starts; weights have a balance."""
     light = [
         replace(
             one, joints=tuple(replace(j, M=0, MS=(0, 0, 0), I=np.zeros((3, 3)), IA=0) for j in one.joints)
         )
         for one in good.legs
     ]
-    model = pf.Model(replace(good, legs=tuple(light)), backend)
-    for call in (model.direct, model.inverse):
+    model, m = pf.Model(replace(good, legs=tuple(light)), backend), good.n_forces
+    state, forces = model.equilibrium(*good.home_pose)
+    assert np.all(np.isfinite(forces))
+    driven = pf.FrameOutput(range(6) if m == 6 else (2, 3, 4))
+    for call, *output in (
+        (model.direct,),
+        (model.direct_jacobian,),
+        (model.joint_accelerations,),
+        (model.reactions,),
+        (model.inverse, driven),
+        (model.inverse_jacobian, driven),
+    ):
         with pytest.raises(pf.SingularPose, match="no inertia against one of its motions"):
-            call(good.home, np.zeros(6))
+            call(state, np.zeros(m), *output)
     with pytest.raises(pf.SingularPose, match="no inertia"):
-        pf.simulate(model, np.zeros(6), good.home, [0, 0.1])
+        model.output_report(state, driven)
+    with pytest.raises(pf.SingularPose, match="no inertia"):
+        pf.simulate(model, np.zeros(m), state, [0, 0.1])
 
 
 def test_computed_torque_needs_six_actuators():

@@ -126,8 +126,8 @@ def tree(leg, q):
         path.append(path[joint.antecedent] + np.eye(len(q))[number])
     tips = np.array([T[tip.frame][:3] @ [*tip.offset, 1.0] for tip in leg.tips])
     path = np.array(path[1:] + [path[tip.frame] for tip in leg.tips])[..., None]
-    R, o = np.array(T[1:])[:, :3, :3], np.array(T[1:])[:, :3, 3]
-    z, slides = R[..., 2], np.array([[joint.sigma] for joint in leg.joints])
+    R, o = np.array(T)[1:, :3, :3], np.array(T)[1:, :3, 3]
+    z, slides = R[..., 2], np.array([joint.sigma for joint in leg.joints])[:, None]
     arms = np.concatenate([o, tips])[:, None] - o
     columns = [np.where(slides, z, cross(z, arms)), np.broadcast_to((1 - slides) * z, arms.shape)]
     return R, tips, np.swapaxes(path * np.concatenate(columns, axis=-1), 1, 2)
@@ -135,7 +135,7 @@ def tree(leg, q):
 
 def tip_rows(leg, J):
     """The linear rows (3t, …) of the tips."""
-    return J[len(leg.joints) :, :3].reshape(-1, *J.shape[2:])
+    return J[len(leg.joints) :, :3].reshape(3 * len(leg.tips), *J.shape[2:])
 
 
 def ups_start(leg, tips):
@@ -151,7 +151,9 @@ def joint_values(leg, tips, q):
         _, reached, J = tree(leg, q)
         step = np.linalg.lstsq(tip_rows(leg, J), (tips - reached).ravel(), rcond=None)[0]
         q = q + step
-        if np.max(np.abs(step)) < 1e-9:  # the next step, of the size of its square, is below round-off
+        if (
+            np.max(np.abs(step), initial=0.0) < 1e-9
+        ):  # the next step, of the size of its square, is below round-off
             return q
     raise ValueError("the leg does not reach its tips from this start")
 
@@ -164,9 +166,13 @@ def joint_rates(leg, q, tip_velocities, rates=0.0):
 
 
 def joint_loads(leg, q, qd):
-    """Friction Fv q̇ + Fs q̇/√(q̇² + v_s²) and springs k (q − q_0), against the motion of each joint."""
-    viscous, dry, v_s, k, q_0 = np.array([(j.Fv, j.Fs, j.v_s, j.k, j.q_0) for j in leg.joints]).T
-    return viscous * qd + dry * qd / np.hypot(qd, v_s) + k * (q - q_0)
+    """Friction Fv q̇ + Fs q̇/√(q̇² + v_s²) and springs k (q − q_0), against the motion of each joint; the
+    springs of turning joints by the nearest way round."""
+    loads = np.array([(j.Fv, j.Fs, j.v_s, j.k, j.q_0) for j in leg.joints])
+    viscous, dry, v_s, k, q_0 = loads.reshape(-1, 5).T
+    turns = np.array([1 - joint.sigma for joint in leg.joints])
+    stretch = q - q_0 - turns * 2 * np.pi * np.round((q - q_0) / (2 * np.pi))
+    return viscous * qd + dry * qd / np.hypot(qd, v_s) + k * stretch
 
 
 def leg_dynamics(leg, q, qd, gravity):
@@ -179,9 +185,9 @@ def leg_dynamics(leg, q, qd, gravity):
     R, _, J = tree(leg, q)
     drift = tree(leg, q + 1j * STEP * qd)[2].imag / STEP @ qd
     J_o, drift_o, omega = J[: len(q)], drift[: len(q)], (J @ qd)[: len(q), None, 3:]
-    mass = np.array([joint.M * np.eye(3) for joint in leg.joints])
-    MS = np.array([R_j @ joint.MS for R_j, joint in zip(R, leg.joints, strict=True)])[:, None]
-    inertia = np.array([R_j @ joint.I @ R_j.T for R_j, joint in zip(R, leg.joints, strict=True)])
+    mass = np.array([joint.M for joint in leg.joints])[:, None, None] * np.eye(3)
+    MS = np.swapaxes(R @ np.array([joint.MS for joint in leg.joints]).reshape(-1, 3, 1), 1, 2)
+    inertia = R @ np.array([joint.I for joint in leg.joints]).reshape(-1, 3, 3) @ np.swapaxes(R, 1, 2)
     hat = cross(np.eye(3), MS)  # rows e_i × MS
     M = np.block([[mass, -hat], [hat, inertia]])
     quadratic = cross(omega, np.concatenate([cross(omega, MS), omega @ inertia], axis=1)).reshape(-1, 6)

@@ -34,6 +34,13 @@ def random_body(
     return pf.FlexibleBody.from_nodes(*given), oracle.nodal_platform(*given)
 
 
+def stiff(cloud: oracle.NodalPlatform) -> oracle.NodalPlatform:
+    """The cloud as if it could not bend."""
+    none = cloud.stiffness[:0]
+    held = cloud.attachment_shapes[..., :0]
+    return replace(cloud, shapes=cloud.shapes[:0], stiffness=none, damping=none, attachment_shapes=held)
+
+
 # --- states on the closure ---
 
 
@@ -49,7 +56,7 @@ def on_closure(legs, cloud, state: pf.State, q: list, qd: list) -> tuple[pf.Stat
         places, _, W, _ = cloud.point_motion(state, *points)
         J = block_diag(*(oracle.tip_rows(leg, J) for leg, (_, _, J) in zip(legs, trees, strict=True)))
         tips = np.concatenate([tips for _, tips, _ in trees])
-        return (places - tips).ravel(), np.hstack([-W.reshape(len(J), -1), J]) * weight
+        return (places - tips).ravel(), np.hstack([-W.reshape(W.shape[0] * 3, -1), J]) * weight
 
     for _ in range(30):
         gap, G = closure()
@@ -185,13 +192,19 @@ def odd(seed: int, modes: int) -> Sample:
     return sample_of(rng, legs, body, cloud, pose, q, rows)
 
 
-def well_driven(legs, cloud, pose, q, freedoms):
-    """The legs with as many actuators as freedoms, and the rows of V̇_p that these move best (pivoted QR)."""
+def well_driven(legs, cloud, pose, q, freedoms=None):
+    """The legs with as many actuators as freedoms, by default as many as move the platform well, and the rows
+    of V̇_p that these move best (pivoted QR)."""
     all_driven = [replace(leg, joints=tuple(replace(j, mu=1) for j in leg.joints)) for leg in legs]
     everything = Sample(all_driven, None, None, np.zeros(3), pose, None, q, None, None, None)
     at = oracle.system(everything, cloud, pf.State(*pose), start=q)
     gain = np.linalg.lstsq(at.K, at.S, rcond=1e-12)[0][:6]
     gain = np.kron(np.eye(2), at.R.T) @ gain
+    if freedoms is None:
+        sizes = np.linalg.svd(gain, compute_uv=False)
+        freedoms = int(np.sum(sizes > max(1e-6, 1e-2 * np.max(sizes, initial=0.0))))
+    if not freedoms:
+        return legs, ()
     chosen = qr(gain, pivoting=True)[2][:freedoms]
     rows = tuple(sorted(int(i) for i in qr(gain[:, chosen].T, pivoting=True)[2][:freedoms]))
     numbers = np.split(np.arange(gain.shape[1]), np.cumsum([len(leg.joints) for leg in legs])[:-1])

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from parflex.analysis.health import check_state, on_closure, single
+from parflex.analysis.health import check_health, on_closure, single
 from parflex.analysis.mobility import freed_twist, null_space, show, span
 from parflex.base.array import Array, block_diagonal, join, transpose
 from parflex.base.errors import InputError, NotConverged
@@ -79,7 +79,7 @@ def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array
     mechanism = functions.mechanism
     still = State(state.position, state.rotation, joints=state.joints)
     start = single(name, on_closure(mechanism, still))
-    check_state(functions, start, examined(mechanism, start)[1])
+    check_health(mechanism, examined(mechanism, start)[1])
 
     def held(q_e: Array) -> Array:
         return projected(mechanism, state_of(mechanism, bent(mechanism, start, q_e)))

@@ -121,6 +121,7 @@ def check_locking(by_rows: Array) -> None:
 
     There the legs let the platform go along some twist, or press against each other without end.
     """
+    check_finite(by_rows)
     rows = math.isqrt(by_rows.shape[-1])
     matrix = by_rows.reshape(by_rows.shape[:-1] + (rows, rows))
     scale = 1.0 / np.sqrt(np.einsum("...ii->...i", matrix))

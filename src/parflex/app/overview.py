@@ -24,7 +24,7 @@ Rows = list[tuple[str, ...]]
 def leg_rows(file: "RobotFile") -> Rows:
     """The legs: chain, joints with a star where there is a motor, leg type, place, attachments, mass."""
     groups = mechanism_of(file.robot).groups
-    kinds = {number: group.type.name for group in groups for number in group.legs}
+    kinds = {n: group.type.name if group.chain.n else "none" for group in groups for n in group.legs}
     rows: Rows = []
     for number, (leg, chain) in enumerate(zip(file.robot.legs, file.table.chains, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)

@@ -22,12 +22,18 @@ def stack(parts: Sequence[Any], axis: int = -1) -> Array:
     >>> stack([1.0, np.array([2.0, 3.0])])
     array([[1., 2.],
            [1., 3.]])
+    >>> stack([])
+    array([], dtype=float64)
     """
+    if not parts:
+        return np.zeros(0)
     return np.stack(np.broadcast_arrays(*parts), axis=axis)
 
 
 def matrix(rows: Sequence[Sequence[Any]]) -> Array:
-    """A matrix (…, r, c) from its entries (…,)."""
+    """A matrix (…, r, c) from its entries (…,); (0, 0) of none."""
+    if not rows:
+        return np.zeros((0, 0))
     return stack([stack(row) for row in rows], axis=-2)
 
 

@@ -154,9 +154,14 @@ def without(rows: Array, lower: Array, scaled: Array) -> Array:
 
 
 def factored_solve(factor: Array, b: Array) -> Array:
-    """x with a x = b, for the factor of a: (…, n, n), (…, n, c) -> (…, n, c)."""
-    if factor.dtype != object:
+    """x with a x = b, for the factor of a: (…, n, n), (…, n, c) -> (…, n, c).
+
+    Floats among symbols, of what does not depend on the state, are factored as symbols are.
+    """
+    if factor.dtype != object and b.dtype != object:
         return lapack_solve(factor, b)
+    if factor.dtype != object:
+        factor = factored(factor.astype(object))
     if b.shape[-1] < FEW:
         return substituted(factor, b)
     return transpose(each(lambda b, F: transpose(substituted(F, transpose(b))), [transpose(b)], [factor]))

@@ -15,7 +15,13 @@ BINARY = {
 }
 TWICE_THE_OPERAND = {casadi.OP_SQ: ("*", PRODUCT), casadi.OP_TWICE: ("+", SUM)}
 TWICE = (*TWICE_THE_OPERAND, casadi.OP_OUTPUT)
-LIBRARY = {casadi.OP_SQRT: "sqrt", casadi.OP_SIN: "sin", casadi.OP_COS: "cos", casadi.OP_ATAN2: "atan2"}
+LIBRARY = {
+    casadi.OP_SQRT: "sqrt",
+    casadi.OP_FABS: "fabs",
+    casadi.OP_SIN: "sin",
+    casadi.OP_COS: "cos",
+    casadi.OP_ATAN2: "atan2",
+}
 LONGEST = 48  # characters of an expression that goes into the only one that uses it
 
 

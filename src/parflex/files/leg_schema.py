@@ -20,7 +20,7 @@ Posture = Annotated[
 class TipTable(Table):
     """A point of a link that holds the platform by a spherical joint."""
 
-    frame: Annotated[int, Field(strict=True, ge=1)] = Field(description="the link it is on, from 1")
+    frame: Whole = Field(description="the link it is on, from 1; 0 is the leg's base")
     offset: Point = Field(ZEROS, description="where on the link, in its frame")
 
 
@@ -33,7 +33,7 @@ class AnyChainTable(Table):
 class ChainTable(AnyChainTable):
     """A kind of leg: joints and tips that several legs have in common."""
 
-    joints: list[JointTable] = Field(min_length=1, description="the joints in order, each with its type")
+    joints: list[JointTable] = Field(description="the joints in order, each with its type; [] for a post")
     tips: list[TipTable] = Field(min_length=1, description="where it holds the platform")
 
 

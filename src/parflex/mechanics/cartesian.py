@@ -9,12 +9,14 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, transpose
-from parflex.base.errors import InputError
+from parflex.base.errors import InputError, SingularPose
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import kinematics
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import LegTerms, System, actuated_axes, assemble, diagonal
 from parflex.robot.layout import Coordinates
+
+SINGULAR = 1e-8  # smallest acceptable ratio of a leg Jacobian's singular values, its columns of unit length
 
 
 class Cartesian(NamedTuple):
@@ -93,6 +95,14 @@ def inverse_jacobian(leg: LegTerms) -> Array:
         raise InputError(
             f"the Cartesian form needs J⁻¹ of every leg, but legs {leg.group.legs} have {joints} "
             f"joints and {contacts} contact force components; use model.direct and model.inverse"
+        )
+    lengths = np.linalg.norm(leg.J, axis=-2, keepdims=True)
+    sizes = np.linalg.svd(leg.J / np.maximum(lengths, np.finfo(float).tiny), compute_uv=False)
+    bad = np.argwhere(sizes[..., -1] <= SINGULAR * sizes[..., 0])
+    if len(bad):
+        raise SingularPose(
+            f"the Cartesian form needs J⁻¹ of every leg, but the tip of leg {leg.group.legs[bad[0][-1]] + 1} "
+            f"cannot move in all directions; move the pose, or use model.direct and model.inverse"
         )
     return np.linalg.inv(leg.J)
 

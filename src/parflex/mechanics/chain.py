@@ -12,10 +12,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, cross, dot, matrix, mtv, mv, outer, stack, trace, transpose
+from parflex.base.array import Array, block, cross, dot, matrix, mtv, mv, outer, stack, trace, transpose
 from parflex.base.spatial import exact_cos_sin
 from parflex.robot.fields import Column, described
-from parflex.robot.leg import Leg
+from parflex.robot.leg import Joint, Leg
 
 E_Z = np.array([0.0, 0.0, 1.0])
 
@@ -57,12 +57,13 @@ class Chain:
 def chain_of(leg: Leg) -> Chain:
     """The tables of one leg; a joint without a field that others have is as by default there."""
     columns: dict[str, Column] = {}
-    for joint in leg.joints:
-        columns |= {name: column for name, column in described(type(joint)).items() if column.table}
+    for kind in (Joint, *map(type, leg.joints)):
+        columns |= {name: column for name, column in described(kind).items() if column.table}
     tables = {
-        name: np.array([[getattr(joint, name, column.default) for joint in leg.joints]])
+        name: np.array([getattr(joint, name, column.default) for joint in leg.joints], dtype=float)
         for name, column in columns.items()
     }
+    tables = {name: table.reshape(1, -1, *columns[name].shape) for name, table in tables.items()}
     return Chain(tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints), columns, tables)
 
 
@@ -83,7 +84,10 @@ class Joints(NamedTuple):
 
 
 class Frames(NamedTuple):
-    """Per joint j with antecedent a: R_aj, p_aj (in a), and R_0j, p_0j in the base frame."""
+    """Per joint j with antecedent a: R_aj, p_aj (in a), and R_0j, p_0j in the base frame.
+
+    The base frame itself, number −1, is the last of R_0j and p_0j.
+    """
 
     R_aj: list[Array]
     p_aj: list[Array]
@@ -125,14 +129,14 @@ def placement(chain: Chain, j: int) -> tuple[Array, Array]:
 
 def frames(chain: Chain, joints: Joints) -> Frames:
     """All frames of the trees for given joint variables."""
-    out = Frames([], [], [], [])
+    legs = joints.cos.shape[:-1]
+    out = Frames([], [], [np.broadcast_to(np.eye(3), (*legs, 3, 3))], [np.zeros((*legs, 3))])
     for j, a in enumerate(chain.antecedent):
         R_aj, p_aj = frame_in_antecedent(chain, j, joints)
-        R_0a, p_0a = (np.eye(3), np.zeros(3)) if a < 0 else (out.R_0j[a], out.p_0j[a])
         out.R_aj.append(R_aj)
         out.p_aj.append(p_aj)
-        out.R_0j.append(R_0a @ R_aj)
-        out.p_0j.append(p_0a + mv(R_0a, p_aj))
+        out.R_0j.insert(j, out.R_0j[a] @ R_aj)
+        out.p_0j.insert(j, out.p_0j[a] + mv(out.R_0j[a], p_aj))
     return out
 
 
@@ -150,15 +154,14 @@ def tip_jacobian(chain: Chain, frame: Frames, j: int, offset: Array) -> Array:
         z = frame.R_0j[k][..., :, 2]
         turn, slide = (1 - chain.sigma[k], chain.sigma[k]) if k in on_path else (0, 0)
         columns.append(turn * cross(z, p_0t - frame.p_0j[k]) + slide * z)  # Eq. 3
-    return stack(columns)
+    return block([[np.zeros((3, 0)), *(column[..., None] for column in columns)]])
 
 
 def link_motions(chain: Chain, frame: Frames, qd: Array, qdd: Array, gravity: Array) -> list[Motion]:
-    """Forward recursion; the base accelerates with −g, so that gravity needs no further word."""
-    still = Motion(np.zeros(3), np.zeros(3), -gravity)
-    motions: list[Motion] = []
+    """Forward recursion; the base, which comes last, accelerates with −g: gravity needs no further word."""
+    motions = [Motion(np.zeros(3), np.zeros(3), -gravity)]
     for j, a in enumerate(chain.antecedent):
-        omega_a, omegad_a, vd_a = still if a < 0 else motions[a]
+        omega_a, omegad_a, vd_a = motions[a]
         R_aj, p_aj = frame.R_aj[j], frame.p_aj[j]
         slide, turn = chain.sigma[j], 1 - chain.sigma[j]
         rate, acceleration = qd[..., j, None] * E_Z, qdd[..., j, None] * E_Z
@@ -167,7 +170,7 @@ def link_motions(chain: Chain, frame: Frames, qd: Array, qdd: Array, gravity: Ar
         omegad = mtv(R_aj, omegad_a) + turn * (acceleration + cross(omega_ja, rate))
         vd = mtv(R_aj, vd_a + point_acceleration(omega_a, omegad_a, p_aj))
         vd = vd + slide * (acceleration + 2.0 * cross(omega_ja, rate))
-        motions.append(Motion(omega, omegad, vd))
+        motions.insert(j, Motion(omega, omegad, vd))
     return motions
 
 
@@ -177,7 +180,8 @@ def point_acceleration(omega: Array, omegad: Array, p: Array) -> Array:
 
 
 class Reaction(NamedTuple):
-    """Force and moment (about the frame's origin) that each link receives through its joint."""
+    """Force and moment (about the frame's origin) that each link receives through its joint, and last what
+    the base receives from below."""
 
     force: list[Array]
     moment: list[Array]
@@ -186,29 +190,33 @@ class Reaction(NamedTuple):
 def reactions(chain: Chain, frame: Frames, motions: list[Motion], tips: "Reaction") -> Reaction:
     """The backward recursion; `tips` are the wrenches that the links give to the platform."""
     force, moment = list(tips.force), list(tips.moment)
-    for j, (omega, omegad, vd) in enumerate(motions):
+    for j in range(chain.n):
+        omega, omegad, vd = motions[j]
         MS, inertia = chain.MS[:, j], chain.I[:, j]
         force[j] = force[j] + chain.M[:, j, None] * vd + point_acceleration(omega, omegad, MS)
         moment[j] = moment[j] + mv(inertia, omegad) + cross(omega, mv(inertia, omega)) + cross(MS, vd)
     for j in reversed(range(chain.n)):
-        a = chain.antecedent[j]
-        if a >= 0:
-            passed = mv(frame.R_aj[j], force[j])
-            force[a] = force[a] + passed
-            moment[a] = moment[a] + mv(frame.R_aj[j], moment[j]) + cross(frame.p_aj[j], passed)
+        a, passed = chain.antecedent[j], mv(frame.R_aj[j], force[j])
+        force[a] = force[a] + passed
+        moment[a] = moment[a] + mv(frame.R_aj[j], moment[j]) + cross(frame.p_aj[j], passed)
     return Reaction(force, moment)
+
+
+def unloaded(chain: Chain) -> Reaction:
+    """No wrenches, of the links and of the base."""
+    none = [np.zeros(3)] * (chain.n + 1)
+    return Reaction(none, list(none))
 
 
 def inverse_dynamics(
     chain: Chain, frame: Frames, motions: list[Motion], qdd: Array, tips: "Reaction | None" = None
 ) -> Array:
     """Joint torques τ (…, L, n) = A q̈ + c (+ Jᵀ f) of the trees, without friction and springs."""
-    free = [np.zeros(3)] * chain.n
-    force, moment = reactions(chain, frame, motions, Reaction(free, free) if tips is None else tips)
-    torque: list[Array] = [np.zeros(())] * chain.n
+    force, moment = reactions(chain, frame, motions, unloaded(chain) if tips is None else tips)
+    torque = []
     for j, slides in enumerate(chain.sigma):
         axial = slides * force[j][..., 2] + (1 - slides) * moment[j][..., 2]
-        torque[j] = axial + chain.IA[:, j] * qdd[..., j]
+        torque.append(axial + chain.IA[:, j] * qdd[..., j])
     return stack(torque)
 
 

@@ -11,6 +11,7 @@ holds for legs of any kind. Rows of the closure that depend on others are left o
 the contact forces are then those of least norm.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -131,7 +132,8 @@ def frozen(system: System, compliance: Array, columns: Array) -> Array:
     C_r = W_pᵀ A_rr⁻¹ W_p + J A⁻¹ Jᵀ."""
     A_rr, W_p = system.platform.A_rr, system.W_p
     C = transpose(W_p) @ solve_definite(A_rr, W_p) + compliance
-    return solve_definite(A_rr, W_p @ contact_forces(system.mechanism, C, columns))
+    unbent = replace(system.mechanism, rows=system.mechanism.rows_unbent)
+    return solve_definite(A_rr, W_p @ contact_forces(unbent, C, columns))
 
 
 def accelerations(system: System, contact: Contact, f: Array) -> Acceleration:

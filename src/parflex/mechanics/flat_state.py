@@ -121,7 +121,7 @@ def check_branch(mechanism: Mechanism, x: Array, joints: LegJoints) -> None:
     """Raise InputError where a leg with closed form stands otherwise than the joints that are given."""
     stands = joints_of(examined(mechanism, x)[0]).q
     for number, (leg, given) in enumerate(zip(mechanism.robot.legs, joints, strict=True)):
-        if given is None or mechanism.layout.joints[number]:
+        if given is None or not leg.joints or mechanism.layout.joints[number]:
             continue
         turn = turned(leg, stands[number], given).reshape(-1, len(leg.joints))
         where = np.argwhere(turn.T > FAR)

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array
+from parflex.base.array import Array, stack
 from parflex.mechanics.kinematics import unstacked
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, joint_position
@@ -21,7 +21,8 @@ class Joints(NamedTuple):
 def joints_of(system: System) -> Joints:
     """Joint positions and rates of an assembled system."""
     positions = [
-        np.stack([joint_position(leg, j) for j in range(leg.group.chain.n)], axis=-1) for leg in system.legs
+        np.broadcast_to(stack([joint_position(leg, j) for j in range(leg.group.chain.n)]), leg.qd.shape)
+        for leg in system.legs
     ]
     rates = [leg.qd for leg in system.legs]
     return Joints(by_leg(system.mechanism, positions), by_leg(system.mechanism, rates))

@@ -66,8 +66,7 @@ def joint_word(leg: LegTerms, j: int) -> str:
 
 def motor_place(leg: LegTerms, j: int) -> Array:
     """A turning joint's origin; for a sliding one the middle of its slide, in the base frame."""
-    before, own = leg.group.chain.antecedent[j], leg.frames.p_0j[j]
-    start = np.zeros(3) if before < 0 else leg.frames.p_0j[before]
+    start, own = (leg.frames.p_0j[k] for k in (leg.group.chain.antecedent[j], j))
     return 0.5 * (start + own) if leg.group.chain.sigma[j] else own
 
 

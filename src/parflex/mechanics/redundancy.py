@@ -12,13 +12,16 @@ from parflex.mechanics.mechanism import Mechanism, Rows, mechanism_of
 from parflex.mechanics.system import assembled
 from parflex.robot.robot import Robot
 
-DEPENDENT = 1e-7  # what is left of a unit row when the others are taken out
+# what is left of a unit row when the others are taken out; where rows are dependent at every state, as those
+# of a table on sliding columns, states closed to CLOSED are off by its square root, 3e-7
+DEPENDENT = 1e-6
 STATES = 4
 
 
 def with_rows(mechanism: Mechanism) -> Mechanism:
     """The mechanism that knows which rows of its closure the models solve; raises as `closure_rows`."""
-    return replace(mechanism, rows=closure_rows(mechanism))
+    rows, unbent = closure_rows(mechanism)
+    return replace(mechanism, rows=rows, rows_unbent=unbent)
 
 
 def solvable(robot: Robot) -> Mechanism:
@@ -26,24 +29,31 @@ def solvable(robot: Robot) -> Mechanism:
     return with_rows(mechanism_of(robot))
 
 
-def closure_rows(mechanism: Mechanism) -> Rows:
-    """The rows by pivoted orthogonalisation at several generic states near home.
+def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows]:
+    """The rows by pivoted orthogonalisation at several generic states near home; also of a platform that does
+    not bend.
 
     Legs that close by themselves have an invertible J, and so no row that depends on others.
 
     Raises OutOfReach where the legs do not meet the platform at home.
     """
-    count = 3 * len(mechanism.attachments)
     if mechanism.closed:
-        kept = np.arange(count)
-    else:
-        kept = max((independent(G) for G in generic_matrices(mechanism)), key=len)
-    dropped = np.setdiff1d(np.arange(count), kept)
+        every = np.eye(3 * len(mechanism.attachments))
+        return rows_of([every]), rows_of([every])
+    found, bend = generic_matrices(mechanism), mechanism.layout.displacements.elastic
+    return rows_of(found), rows_of([np.delete(G, bend, axis=1) for G in found])
+
+
+def rows_of(matrices: list[Array]) -> Rows:
+    """The rows that are independent in one of the matrices (r, c), and those that depend on them."""
+    units = [G / np.linalg.norm(G, axis=1, keepdims=True) for G in matrices]
+    kept = max((independent(G) for G in units), key=len)
+    dropped = np.setdiff1d(np.arange(len(matrices[0])), kept)
     return Rows(kept, dropped, np.argsort(np.concatenate([kept, dropped])))
 
 
 def generic_matrices(mechanism: Mechanism) -> list[Array]:
-    """[−Wᵀ J] with rows of unit length, at states on the closure near home."""
+    """[−Wᵀ J] at states on the closure near home."""
     size, rng = mechanism.size, np.random.default_rng(0)
     home = flat_state(mechanism, mechanism.robot.home)
     home, gap = closed(mechanism, home, POSE)
@@ -61,8 +71,7 @@ def generic_matrices(mechanism: Mechanism) -> list[Array]:
         x, gap = closed(mechanism, moved, POSE)
         if not gap <= 1e-9 * size:
             x = home
-        G = closure_matrix(assembled(mechanism, x))
-        found.append(G / np.linalg.norm(G, axis=-1, keepdims=True))
+        found.append(closure_matrix(assembled(mechanism, x)))
     return found
 
 

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, block_diagonal, cross, join, merged, mtv, mv, stack, transpose
+from parflex.base.array import Array, block, block_diagonal, cross, join, merged, mtv, mv, stack, transpose
 from parflex.base.unroll import solve_definite, solve_least_norm
 from parflex.mechanics import chain, kinematics
 from parflex.mechanics.chain import Frames
@@ -231,14 +231,19 @@ def joint_reactions(system: System, qdd: list[Array], f: Array) -> list[tuple[Ar
         group = leg.group
         gravity = mtv(group.rotation, system.mechanism.gravity)
         motions = chain.link_motions(group.chain, leg.frames, leg.qd, acceleration, gravity)
-        force: list[Array] = [np.zeros(3)] * group.chain.n
-        moment = list(force)
+        force, moment = chain.unloaded(group.chain)
         for t, j in enumerate(group.tip_frames):
             push = mtv(leg.frames.R_0j[j], mv(leg.R_ip[..., 0, :, :], pull[..., t, :]))
             force[j], moment[j] = force[j] + push, moment[j] + cross(group.offsets[:, t], push)
         passed = chain.reactions(group.chain, leg.frames, motions, chain.Reaction(force, moment))
-        found.append((stack(passed.force, axis=-2), stack(passed.moment, axis=-2)))
+        found.append((by_link(passed.force, acceleration), by_link(passed.moment, acceleration)))
     return found
+
+
+def by_link(vectors: list[Array], like: Array) -> Array:
+    """Vectors (…, L, 3) of the links, and last of the base, which is left out: (…, L, n, 3) for (…, L, n)."""
+    links = block([[np.zeros((0, 3))], *([vector[..., None, :]] for vector in vectors[:-1])])
+    return np.broadcast_to(links, (*like.shape, 3))
 
 
 def carried_accelerations(system: System, forces: Array, f: Array) -> Array:

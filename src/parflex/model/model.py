@@ -155,6 +155,7 @@ class Model:
         given, theta = inputs.of_jacobian(self._core, state, wrenches, parameters, forces=u)
         found = functions(jacobians.direct_jacobian, places, theta=theta)(**given)
         self._core.check(given["x"], found.pop("health"))
+        health.check_finite(found["by_state"])
         if functions.parameters.items:
             build = jacobians.parameter_jacobian
             found |= functions(build, places, functions.parameters, theta=theta)(**given)
@@ -189,7 +190,7 @@ class Model:
     def cartesian(self, state: State) -> Cartesian:
         """The Cartesian form A V̇_p + c = J_sys⁻ᵀ Γ of Eqs. 44–49.
 
-        Raises InputError where a leg has not as many joints as contact force components.
+        Raises InputError where a leg has not as many joints as contact force components, or no J⁻¹.
         """
         return cartesian(self._core.mechanism, self._core.system(state).x)[0]
 

@@ -101,10 +101,10 @@ class Joint:
 
 @dataclass(frozen=True, eq=False)
 class Tip:
-    """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1) holds
-    the platform's attachment number `attachment` (from 0)."""
+    """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1; 0 is the
+    leg's base) holds the platform's attachment number `attachment` (from 0)."""
 
-    frame: int = field(metadata=about(partial(integer, lowest=1)))
+    frame: int = field(metadata=about(integer))
     offset: Given = held(exact((3,)), default=(0.0, 0.0, 0.0), kind=kinds.LENGTH)
     attachment: int = field(default=0, metadata=about(integer))
 
@@ -116,6 +116,7 @@ class Tip:
 class Leg:
     """A rigid tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
 
+    Without joints it is a post, whose tips are on frame 0: spherical joints that stand on the base.
     `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
     solutions they name the branch, where it has no closed form they start Newton's method; without
     them it is the leg type's first branch, and zeros.
@@ -140,8 +141,9 @@ class Leg:
         if not self.tips:
             raise InputError("Leg.tips is empty; a leg holds the platform by at least one tip")
         for tip in self.tips:
-            if not 1 <= tip.frame <= len(self.joints):
-                raise InputError(f"Tip.frame is {tip.frame}; this leg has links 1 … {len(self.joints)}")
+            if tip.frame > len(self.joints):
+                links = f"links 1 … {len(self.joints)}, and" if self.joints else "no links, only"
+                raise InputError(f"Tip.frame is {tip.frame}; this leg has {links} its base, frame 0")
         if self.posture is not None:
             object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
 
@@ -167,8 +169,8 @@ class Leg:
 
     @property
     def word(self) -> str:
-        """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'."""
-        return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints)
+        """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'; 'post' for none."""
+        return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints) or "post"
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:

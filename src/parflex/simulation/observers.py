@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from parflex.analysis.health import check_state
+from parflex.analysis.health import OFF, check_state
 from parflex.analysis.watch import Watch
 from parflex.base.array import Array
 from parflex.base.progress import Progress
@@ -17,6 +17,11 @@ from parflex.simulation.steppers.stepper import Stepper
 
 DIVERGES = "the step size vanished: it diverges"
 PROJECTIONS = 5  # at most, of one state onto the closure
+STRAINED = (
+    "the legs cannot follow: a gap of {:.2g} m to the attachment of leg {} does not close, since more of the "
+    "closure equations depend on others at home than here (model.mobility counts them): some freedoms are "
+    "for small motions alone; hold the platform against these, or give the legs the joints they lack"
+)
 SMALLEST, PATIENCE = 1e-6, 1000  # a mean step below this part of the run, over so many, ends it
 
 
@@ -62,7 +67,8 @@ class Closure(Observer):
         self._moved, self._health = found["projected"], found["health"]
         self._run = function.bind({"x": self._x}, found)
         self._tolerance = CLOSED * core.mechanism.size
-        self._gaps = core.mechanism.health.gap.start
+        self._at, dependent = core.mechanism.health, function.kernel.mechanism.solved_rows.dropped
+        self._open = OFF * min(1.0, core.mechanism.size) if len(dependent) else np.inf
 
     def begin(self, y: Array) -> None:
         self._x[:] = y[: len(self._x)]
@@ -71,20 +77,27 @@ class Closure(Observer):
         self.close(y)
 
     def see(self, advance: Advance) -> None:
-        for row in advance.rows:
-            self.close(row)
-        self.close(advance.stepper.y)
+        for number, row in enumerate(advance.rows):
+            if why := self.close(row):
+                advance.rows, advance.reached = advance.rows[:number], advance.times[number]
+                advance.stopped = why
+                return
+        advance.stopped = self.close(advance.stepper.y)
         advance.stepper.moved()
 
-    def close(self, y: Array) -> None:
-        """Put the state in y (size,) on the closure, by at most so many projections."""
+    def close(self, y: Array) -> str:
+        """Put the state in y (size,) on the closure, by at most so many projections; says what stays open."""
         self._x[:] = y[: len(self._x)]
         for _ in range(PROJECTIONS):
             self._run()
-            if not np.max(np.abs(self._health[self._gaps :])) > self._tolerance:
+            if not np.max(np.abs(self._health[self._at.gap.start :])) > self._tolerance:
                 break
             self._x[:] = self._moved
         y[: len(self._x)] = self._x
+        gaps = np.abs(self._health[self._at.gap])
+        if not np.max(gaps) > self._open:
+            return ""
+        return STRAINED.format(np.max(gaps), self._at.gap_legs[np.argmax(gaps)] + 1)
 
 
 class Singularities(Observer):

@@ -10,6 +10,7 @@ ARITHMETIC = {
     casadi.OP_DIV: "fdiv",
 }
 OF_ITSELF = {casadi.OP_SQ: "fmul", casadi.OP_TWICE: "fadd"}  # x x, x + x
+INTRINSIC = {casadi.OP_SQRT: "sqrt", casadi.OP_FABS: "fabs"}  # CasADi takes the root of a square for |x|
 LIBRARY = {casadi.OP_SIN: "sin", casadi.OP_COS: "cos", casadi.OP_ATAN2: "atan2"}
 ARITY = {"sin": 1, "cos": 1, "atan2": 2}
 CONTRACT = "contract"  # a multiplication and an addition may become one instruction
@@ -73,8 +74,8 @@ class Code:
             return self.new(f"fdiv {CONTRACT} {kind} {self.number(1.0)}, {given[0]}")
         if op == casadi.OP_NEG:
             return self.new(f"fneg {kind} {given[0]}")
-        if op == casadi.OP_SQRT:
-            return self.new(f"call {kind} @llvm.sqrt.{suffix(self.lanes)}({kind} {given[0]})")
+        if op in INTRINSIC:
+            return self.new(f"call {kind} @llvm.{INTRINSIC[op]}.{suffix(self.lanes)}({kind} {given[0]})")
         if op in LIBRARY:
             return self.called(LIBRARY[op], given)
         raise NotImplementedError(f"operation {op} of CasADi has no translation")

@@ -11,7 +11,7 @@ import casadi
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.compiled.native.instructions import ARITY, Code, literal, suffix, vector_type
+from parflex.compiled.native.instructions import ARITY, INTRINSIC, Code, literal, suffix, vector_type
 from parflex.compiled.native.loops import Loop, Program, Source
 
 PART = 15_000  # operations of a function, at most
@@ -53,7 +53,11 @@ def module(program: Program, lanes: int, widest: int) -> str:
         for number, first in enumerate(starts)
     ]
     widths = {lanes, *(place.lanes for place in places)}
-    declared = [f"declare {vector_type(n)} @llvm.sqrt.{suffix(n)}({vector_type(n)})" for n in sorted(widths)]
+    declared = [
+        f"declare {vector_type(n)} @llvm.{name}.{suffix(n)}({vector_type(n)})"
+        for n in sorted(widths)
+        for name in INTRINSIC.values()
+    ]
     declared += [f"declare double @{name}({', '.join(['double'] * n)})" for name, n in ARITY.items()]
     loops = [Body(loop, number, places, lanes).text() for number, loop in enumerate(program.loops)]
     return "\n".join([*declared, *loops, *parts, driver(size * lanes, lanes, len(parts))])

@@ -52,7 +52,7 @@ class Code:
 
 
 class Call(partial[None]):
-    """A call of machine code, and the arrays that must live as long."""
+    """A call of machine code, and what must live as long: the code itself, and its arrays."""
 
     kept: tuple[object, ...]
 
@@ -90,7 +90,7 @@ class NativeFunction(Function):
         places = addresses([*given, *taken])
         start, blocks = ctypes.c_int64(0), ctypes.c_int64(1)
         trigger = Call(self._one.run, ctypes.c_void_p(places.ctypes.data), start, blocks)
-        trigger.kept = (places, given, taken)
+        trigger.kept = (self, places, given, taken)
         return trigger
 
     def _for(self, count: int) -> Code:

@@ -23,7 +23,7 @@ class Recorder:
         self.lanes = lanes
 
     def __call__(self, function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[Array]) -> Any:
-        """The results (1, R, *shape) of a function of rows (1, R, n_i) and of what they share."""
+        """The results (1, …, R, *shape) of a function of rows (1, …, R, n_i) and of what they share."""
         alone = looping.set(None)  # a loop has no loops within
         try:
             return self._recorded(function, rows, shared)
@@ -47,11 +47,13 @@ class Recorder:
         if operations(loop.graph) * count < (WORTH if self.lanes == 1 else QUICKER):
             return function(*rows, *shared)
         self.loops.append(loop)
-        return regrown(tree, (self._spread(loop, leaf) for leaf in leaves(tree)))
+        place = max(1, *(array.ndim - 2 for array in rows))  # constants may lack the axis of the one state
+        return regrown(tree, (self._spread(loop, leaf, place) for leaf in leaves(tree)))
 
     @staticmethod
-    def _spread(loop: "Recorded", leaf: Array) -> Array:
-        """Symbols (1, R, *shape) of the loop's results that stand for a leaf (1, 1, *shape) of one row."""
+    def _spread(loop: "Recorded", leaf: Array, place: int) -> Array:
+        """Symbols (1, …, R, *shape) of the loop's results that stand for a leaf (1, …, 1, *shape) of one row;
+        the place is that of R."""
         out = np.empty((loop.rows, leaf.size), dtype=object)
         for j, value in enumerate(leaf.flat):
             out[:, j] = value
@@ -59,7 +61,7 @@ class Recorder:
                 column = casadi.SX.sym("r", loop.rows).elements()
                 loop.results.append(column)
                 out[:, j] = [Symbol(x) for x in column]
-        return out.reshape((1, loop.rows, *leaf.shape[2:]))
+        return out.reshape((*leaf.shape[:place], loop.rows, *leaf.shape[place + 1 :]))
 
 
 class Inputs:

@@ -150,7 +150,7 @@ def leg_residual(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravit
     frames = chain.frames(c, joints)
     qd = group.type.rates(group, frames, joints, place, velocity, second)
     motions = chain.link_motions(c, frames, qd, qdd, gravity)
-    tips, accelerations = chain.Reaction([np.zeros(3)] * c.n, [np.zeros(3)] * c.n), []
+    tips, accelerations = chain.unloaded(c), []
     for t, j in enumerate(group.tip_frames):
         offset, (omega, omegad, vd) = group.offsets[:, t], motions[j]
         push = mtv(frames.R_0j[j], force[..., t, :])

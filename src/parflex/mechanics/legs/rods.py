@@ -43,6 +43,8 @@ class Rods(LegType):
         """Knuckles on link 1, each a hinge or a universal joint with crossing axes, one tip each."""
         used = [1]
         for tip in leg.tips:
+            if tip.frame == 0:
+                return False
             last = leg.joints[tip.frame - 1]
             offset = np.asarray(tip.offset)
             if last.antecedent == 1:
