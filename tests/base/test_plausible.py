@@ -11,7 +11,7 @@ from parflex.base.plausible import doubt, listening
 SLIPS = {
     "degrees": (
         dict(alpha=-90),
-        "Joint.alpha is -90 rad, more than a full turn; if it is in deg, give -1.5708",
+        "Joint.alpha is -90 rad, more than a full turn; if it is in deg, give -1.570",
     ),
     "millimetres": (dict(d=250), 'Joint.d is 250 m, .* give 0.25 m, in files "250 mm"'),
     "grams": (dict(M=73000), 'Joint.M is 73000 kg, .* give 73 kg, in files "73000 g"'),

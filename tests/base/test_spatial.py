@@ -5,7 +5,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from measures import relative
-from parflex.base.spatial import off_orthonormal, quaternion_from_rotation
+from parflex.base.spatial import (
+    off_orthonormal,
+    quaternion_from_rotation,
+    rotation_from_vector,
+    vector_from_rotation,
+)
 
 ROUND_OFF = 1e-15
 HALF_TURNS = np.pi * np.array([[1, 0, 0], [0, 1, 0], [0, 0, 1], [0.6, 0.8, 0], [0, -0.6, 0.8]])
@@ -45,3 +50,17 @@ def test_what_is_not_quite_a_rotation(error):
 
 def test_reflections_are_none():
     assert off_orthonormal(np.diag([1.0, 1.0, -1.0])) == np.inf
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, 3.1, np.pi, 4.0, 6.2])
+def test_rotation_vectors_against_scipy(angle):
+    """There and back; SciPy's for the same, of more than half a turn as the other way round."""
+    vector = angle * np.array([2.0, -3.0, 6.0]) / 7
+    expected = Rotation.from_rotvec(vector)
+    R = rotation_from_vector(vector)
+    assert np.allclose(R, expected.as_matrix(), rtol=0, atol=1e-15)
+    found = vector_from_rotation(R)
+    assert np.linalg.norm(found) <= np.pi + 1e-12
+    assert np.allclose(rotation_from_vector(found), R, rtol=0, atol=1e-14)
+    if angle < 3.0:
+        assert np.allclose(found, vector, rtol=1e-9, atol=1e-15)

@@ -60,7 +60,7 @@ def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat
     file = read_robot(robot)
     console.print(f"[bold]{escape(file.table.name or robot.name)}[/] {escape(file.table.source)}")
     console.print(table_of(overview.LEG_HEADS, overview.leg_rows(file)))
-    for line in overview.facts(file.robot):
+    for line in overview.facts(file):
         console.print(line)
     check_standing(file)
     model = Model(file.robot, "numpy")

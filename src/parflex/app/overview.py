@@ -4,10 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from parflex.base.array import Array
+from parflex.base.spatial import vector_from_rotation
 from parflex.mechanics.mechanism import mechanism_of
 from parflex.robot.joint_words import joint_value
-from parflex.robot.robot import Robot
 from parflex.robot.words import frequencies, listed
 
 if TYPE_CHECKING:
@@ -53,21 +52,17 @@ def joint_rows(model: "Model") -> Rows:
     return rows
 
 
-def facts(robot: Robot) -> list[str]:
+def facts(file: "RobotFile") -> list[str]:
     """Platform, home pose and gravity, a line each."""
+    robot, payload = file.robot, file.table.payload
     body, (position, rotation) = robot.platform, robot.home_pose
+    carried = "" if payload is None else f" with its payload of {payload.mass:.4g} kg"
     mass, com = body.moments.m, body.moments.MS0 / body.moments.m
-    turned = np.degrees(rotation_vector(np.asarray(rotation)))
+    turned = np.degrees(vector_from_rotation(np.asarray(rotation)))
     return [
-        f"platform: {mass:.4g} kg, centre of mass {listed(com)} m, {len(body.attachments)} attachments",
+        f"platform: {mass:.4g} kg{carried}, centre of mass {listed(com)} m, "
+        f"{len(body.attachments)} attachments",
         f"modes: {frequencies(body.frequencies, body.damping_ratios)}",
         f"home: {listed(position)} m, turned by {listed(turned)} deg; gravity {listed(robot.gravity)} m/s²",
         f"motors: {robot.n_forces}",
     ]
-
-
-def rotation_vector(matrix: Array) -> Array:
-    """The rotation vector (3,) rad of a matrix."""
-    from scipy.spatial.transform import Rotation
-
-    return np.asarray(Rotation.from_matrix(matrix).as_rotvec())

@@ -82,6 +82,27 @@ def quaternion_rate(quaternion: Array, omega: Array) -> Array:
     )
 
 
+def rotation_from_vector(vector: Array) -> Array:
+    """R (3, 3) of a rotation vector (3,) rad, for one rotation, without SciPy, which takes a while to load.
+
+    >>> rotation_from_vector(np.array([0.0, 0.0, np.pi / 2])).round(15)
+    array([[ 0., -1.,  0.],
+           [ 1.,  0.,  0.],
+           [ 0.,  0.,  1.]])
+    """
+    angle = float(np.linalg.norm(vector))
+    axis = vector / angle if angle else vector
+    return rotation_from_quaternion(np.append(math.cos(angle / 2), math.sin(angle / 2) * axis))
+
+
+def vector_from_rotation(R: Array) -> Array:
+    """The rotation vector (3,) rad, at most half a turn, of one matrix."""
+    quaternion = quaternion_of_one(R)
+    w, xyz = quaternion[0], quaternion[1:]
+    size = float(np.linalg.norm(xyz))
+    return 2 * math.atan2(size, abs(w)) * math.copysign(1.0, w) * xyz / size if size else np.zeros(3)
+
+
 def rotation_about_z(angle: Array) -> Array:
     """Rot(z, angle), (…, 3, 3)."""
     c, s = exact_cos_sin(angle)

@@ -48,7 +48,7 @@ def entry(column: Column, sigma: int) -> tuple[Any, Any]:
 
 
 def values_of(kind: type, table: Table) -> dict[str, Any]:
-    """What a table gives of the fields of a dataclass, by their names; tables of parts as they are."""
+    """The values that a table gives of a dataclass's fields, by their names; tables of parts as they are."""
     values = {
         name: (column, getattr(table, column.file or name))
         for name, column in described(kind).items()

@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike
 
 from parflex.base.array import Array, outer
 from parflex.base.errors import InputError
-from parflex.fe.modal_file import load_body
 from parflex.files.platform_schema import (
     DiscTable,
     ImportedTable,
@@ -102,6 +101,8 @@ def from_inertia(table: RigidTable, folder: Path) -> FlexibleBody:
 
 def from_modal_file(table: ModalTable, folder: Path) -> FlexibleBody:
     """The body that parflex stored."""
+    from parflex.fe.modal_file import load_body
+
     return load_body(folder / table.file)
 
 

@@ -7,6 +7,8 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.base.kinds import LENGTH
+from parflex.base.plausible import derived, usual
 from parflex.files.described import built
 from parflex.files.leg_tables import chain_parts, placed_leg
 from parflex.files.platform_tables import platform
@@ -67,8 +69,9 @@ def with_springs_at_rest(reader: Reader, table: RobotTable, robot: Robot) -> Rob
     if not any(loose):
         return robot
     q = reader.must(("home",), joints_at_home, robot)
-    rested = [at_rest(leg, at) if free else leg for leg, at, free in zip(robot.legs, q, loose, strict=True)]
-    return replace(robot, legs=rested)
+    with derived():
+        legs = [at_rest(leg, at) if free else leg for leg, at, free in zip(robot.legs, q, loose, strict=True)]
+        return replace(robot, legs=legs)
 
 
 def at_rest(leg: Leg, q: Array) -> Leg:
@@ -80,6 +83,7 @@ def at_rest(leg: Leg, q: Array) -> Leg:
 
 def checked_pose(table: HomeTable) -> tuple[Array, Array]:
     """A checked pose (3,) m, (3, 3)."""
+    usual("position", table.position, LENGTH)
     state = State(table.position, rotation_of(table.rotation))
     return np.asarray(state.position), np.asarray(state.rotation)
 

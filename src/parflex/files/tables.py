@@ -13,6 +13,7 @@ from parflex.base.array import Array, without_roundoff
 from parflex.base.check import NOT_NEGATIVE, Rule
 from parflex.base.errors import InputError
 from parflex.base.kinds import Kind
+from parflex.base.spatial import rotation_from_vector
 from parflex.files.quantity import convert, shown
 
 
@@ -82,14 +83,12 @@ def rotation_of(given: Sequence[Any]) -> Array:
 
     Raises InputError for a vector of more than a full turn, which is one in degrees.
     """
-    from scipy.spatial.transform import Rotation as Turned
-
     array = np.asarray(given, dtype=float)
     if array.ndim == 2:
         return array
     if np.linalg.norm(array) > 2 * np.pi + 1e-9:
         raise InputError(f'rotation is {given} rad, more than a full turn; write degrees as "30 deg"')
-    return without_roundoff(Turned.from_rotvec(array).as_matrix(), 1.0, 1e-15)
+    return without_roundoff(rotation_from_vector(array), 1.0, 1e-15)
 
 
 def inertia_of(given: Sequence[Any]) -> Array:

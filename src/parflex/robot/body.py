@@ -11,9 +11,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from parflex.base import kinds
 from parflex.base.array import Array, outer, without_roundoff
 from parflex.base.check import exactly, integer, of_type, positive
 from parflex.base.errors import InputError
+from parflex.base.plausible import usual
 from parflex.robot.attachments import attachment_nodes
 from parflex.robot.modal import modal_diagonals, modal_mass, modal_masses, natural_frequencies
 from parflex.robot.modes import Modes
@@ -126,6 +128,14 @@ class FlexibleBody:
         """
         m, c = positive("mass", mass), exactly("com", com, (3,))
         inertia = exactly("inertia_at_com", inertia_at_com, (3, 3))
+        points = exactly("attachments", attachments, (None, 3))
+        for name, value, kind in (
+            ("mass", m, kinds.MASS),
+            ("com", c, kinds.LENGTH),
+            ("inertia_at_com", inertia, kinds.INERTIA),
+            ("attachments", points, kinds.LENGTH),
+        ):
+            usual(name, value, kind)
         second = 0.5 * np.trace(inertia) * np.eye(3) - inertia
         lowest = np.linalg.eigvalsh(second)[0]
         symmetric = np.allclose(inertia, inertia.T, rtol=0, atol=1e-9 * np.trace(inertia))
@@ -134,7 +144,6 @@ class FlexibleBody:
                 "inertia_at_com is not the inertia of a body: it must be symmetric, with principal "
                 "values that are positive and none larger than the sum of the other two"
             )
-        points = exactly("attachments", attachments, (None, 3))
         moments = Moments(m, m * c, second + m * outer(c, c), *(np.zeros(s) for s in rigid_shapes))
         empty = np.zeros((0, len(points), 3))
         return FlexibleBody(

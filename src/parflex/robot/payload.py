@@ -16,7 +16,7 @@ from parflex.robot.moments import with_body
 from parflex.robot.words import told
 
 HEAVY = 100.0  # times the platform that carries it: hardly meant
-FIT = 12  # nodes from which the turning of a place is found where shapes have no rotations
+FIT = 6  # nodes from which the turning of a place is found where shapes have no rotations
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +29,7 @@ class Payload:
     Raises InputError for a mass that is not positive or an inertia that no body has.
     """
 
-    mass: float = given(kinds.MASS, "in kg", POSITIVE)
+    mass: float = given(kinds.MASS, "the mass, in kg", POSITIVE)
     com: Given = given(
         kinds.LENGTH, "centre of mass in the platform's frame", default=(0.0, 0.0, 0.0), shape=(3,)
     )

@@ -6,7 +6,8 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
-from parflex.base.plausible import doubt, listening
+from parflex.base.kinds import LENGTH
+from parflex.base.plausible import derived, doubt
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
@@ -80,10 +81,11 @@ def assembled(
     lengths = np.linalg.norm(heads - feet, axis=1)
     if np.allclose(lengths, geometry.length, rtol=1e-12, atol=0):
         lengths = np.full(6, geometry.length)  # one number, so that the legs are alike to the bit
-    used = usual_strut(geometry.length) if strut is None else of_type("strut", strut, Strut)
-    check_strut(used, lengths)
-    check_apart(used, feet, heads)
-    with listening():  # what is computed from given numbers was doubted with them
+    if strut is not None:
+        check_strut(of_type("strut", strut, Strut), lengths)
+        check_apart(strut, feet, heads)
+    with derived():
+        used = usual_strut(geometry.length) if strut is None else strut
         legs = [
             leg(used, float(length), foot, head, number)
             for length, foot, head, number in zip(lengths, feet, heads, held, strict=True)
@@ -105,7 +107,8 @@ def disc(geometry: HexapodGeometry) -> FlexibleBody:
     thick = geometry.platform_radius / 8
     radius = geometry.platform_radius + thick
     link = tube(named("aluminium").density, radius, (0, 0, -thick / 2), (0, 0, thick / 2))
-    return FlexibleBody.rigid(link["M"], (0, 0, 0), link["I"], geometry.platform_joints)
+    with derived():
+        return FlexibleBody.rigid(link["M"], (0, 0, 0), link["I"], geometry.platform_joints)
 
 
 def usual_strut(length: float) -> Strut:
@@ -150,7 +153,7 @@ def check_strut(strut: Strut, lengths: Array) -> None:
             )
     for name, bar in (("cylinder", strut.cylinder), ("rod", strut.rod)):
         for size, value in (("length", bar.length), ("outer", bar.outer), ("com", bar.com)):
-            if value is not None and abs(value) > 2 * np.max(lengths):
+            if value is not None and 2 * np.max(lengths) < abs(value) <= LENGTH.most:
                 doubt(
                     f"strut.{name}.{size} is {value:.4g} m, of a strut that is {np.max(lengths):.4g} m long "
                     f'at home; if it is in mm, give {value / 1000:.4g} m, in files "{value:.4g} mm"'

@@ -15,6 +15,7 @@ from parflex.robots.rings import THIRDS, ring
 
 APART = 30.0  # times: radii and height that differ by more are hardly meant in one unit
 SINGULAR, POOR = 1e-4, 0.02  # smallest over largest singular value of the struts' lines
+ALIGNED = 15.0  # degrees from 120, within which the spreads are why
 SHARED = 1e-9  # of a strut's length: joints that are nearer are one
 
 
@@ -31,14 +32,20 @@ class HexapodGeometry:
     the platform a motion.
     """
 
-    base_radius: float = given(kinds.LENGTH, "of the circle of the base's joints", POSITIVE)
-    platform_radius: float = given(kinds.LENGTH, "of the circle of the platform's joints", POSITIVE)
-    height: float = given(kinds.LENGTH, "between the planes of the joints, at home", POSITIVE)
-    base_spread: float = given(kinds.ANGLE, "between the base's joints of a pair", NOT_NEGATIVE)
-    platform_spread: float = given(kinds.ANGLE, "between the platform's joints of a pair", NOT_NEGATIVE)
-    base_offset: float = given(kinds.LENGTH, "of the base's joints above the world's origin", default=0.0)
+    base_radius: float = given(kinds.LENGTH, "the radius of the base's circle of joints", POSITIVE)
+    platform_radius: float = given(kinds.LENGTH, "the radius of the platform's circle of joints", POSITIVE)
+    height: float = given(
+        kinds.LENGTH, "the height of the platform's joints over the base's, at home", POSITIVE
+    )
+    base_spread: float = given(kinds.ANGLE, "the angle between the base's joints of a pair", NOT_NEGATIVE)
+    platform_spread: float = given(
+        kinds.ANGLE, "the angle between the platform's joints of a pair", NOT_NEGATIVE
+    )
+    base_offset: float = given(
+        kinds.LENGTH, "height of the base's joints over the world's origin", default=0.0
+    )
     platform_offset: float = given(
-        kinds.LENGTH, "of the platform's joints above the origin of its frame", default=0.0
+        kinds.LENGTH, "height of the platform's joints over the origin of its frame", default=0.0
     )
 
     def __post_init__(self) -> None:
@@ -50,7 +57,8 @@ class HexapodGeometry:
                     f"{name} is {angle:.4g} deg, so that joints of neighbouring pairs coincide or change "
                     f"places; give less than 120 deg"
                 )
-        self._check_stiffness(in_proportion=self._check_proportions())
+        self._check_proportions()
+        self._check_stiffness()
 
     @property
     def base_joints(self) -> Array:
@@ -78,43 +86,39 @@ class HexapodGeometry:
         aside = np.cos(np.pi / 3 - (self.base_spread + self.platform_spread) / 2)
         return float(np.sqrt(self.height**2 + a * a + b * b - 2 * a * b * aside))
 
-    def _check_proportions(self) -> bool:
-        """True where radii and height are in proportion; doubts those that are hardly in one unit."""
+    def _check_proportions(self) -> None:
+        """Doubt radii and a height that are hardly in one unit."""
         names = ("base_radius", "platform_radius", "height")
         sizes = sorted((getattr(self, name), name) for name in names)
         (small, less), (large, more) = sizes[0], sizes[-1]
-        if large <= APART * small:
-            return True
-        if large <= kinds.LENGTH.most:
+        if APART * small < large <= kinds.LENGTH.most:
             doubt(
                 f"{more} is {large:.4g} m and {less} {small:.4g} m, {large / small:.0f} times less; give "
                 f'both in the same unit, in files with it: "{1000 * small:.4g} mm"'
             )
-        return False
 
-    def _check_stiffness(self, in_proportion: bool) -> None:
-        """Raise InputError where the struts leave the platform a motion at home; doubt nearly such ones that
-        are not out of proportion already."""
+    def _check_stiffness(self) -> None:
+        """Raise InputError where the struts leave the platform a motion at home; doubt nearly such ones."""
         feet = self.base_joints
         along = (self.platform_joints + self.home - feet) / self.length
         arms = self.platform_joints - [0.0, 0.0, self.platform_offset]
         values = np.linalg.svd(np.hstack([along, np.cross(arms, along) / self.platform_radius]))[1]
+        weakest = values[-1] / values[0]
         total = np.degrees(self.base_spread + self.platform_spread)
-        if abs(total - 120) < 15:
-            said = f"base_spread and platform_spread are {total:.4g} deg together"
-            words = "at 120 deg all struts meet the hexapod's axis, and nothing holds the platform against "
-            words += "turning about it; make one of them smaller"
-        else:
-            sizes = f"{self.base_radius:.4g}, {self.platform_radius:.4g}"
-            said = f"base_radius, platform_radius and height are {sizes} and {self.height:.4g} m"
+        if abs(total - 120) < ALIGNED and weakest < POOR:
             words = (
-                "the struts are nearly parallel, flat, or meet in a point; bring the three nearer together"
+                f"base_spread and platform_spread are {total:.4g} deg together; at 120 deg all struts meet "
+                f"the hexapod's axis, and nothing keeps the platform from turning about it: make one smaller"
             )
-        if values[-1] < SINGULAR * values[0]:
-            raise InputError(f"{said}, which leaves the platform a motion: {words}")
-        if values[-1] < POOR * values[0] and in_proportion:
-            weaker = f"{values[0] / values[-1]:.0f} times more weakly against one motion than against another"
-            doubt(f"{said}, so that the struts hold the platform {weaker}: {words}")
+            if weakest < SINGULAR:
+                raise InputError(words)
+            doubt(words)
+        elif weakest < SINGULAR:
+            raise InputError(
+                f"base_radius, platform_radius and height are {self.base_radius:.4g}, "
+                f"{self.platform_radius:.4g} and {self.height:.4g} m: the struts nearly meet in a point, are "
+                f"parallel or flat, and leave the platform a motion; bring the three nearer together"
+            )
 
 
 def at_height(points: Array, z: float) -> Array:

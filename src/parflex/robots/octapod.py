@@ -5,12 +5,13 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
-from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.leg import Leg
 from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
-from parflex.robots.links import tube
+from parflex.robots.legs import UPS
 from parflex.robots.rings import plate, ring, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.70, 0.45  # m
@@ -19,15 +20,10 @@ PLATFORM = (-30, 30, 60, 120, 150, 210, 240, 300)  # degrees: the corners of the
 HOME = (0.0, 0.0, 0.85)  # m
 PLATE: dict[str, Any] = {"thickness": 10e-3, "material": "steel"}
 
-CYLINDER = tube(named("steel").density, 0.035, (0, 0, 0), (0, -0.55, 0), bore=0.028)
-PISTON = tube(named("steel").density, 0.014, (0, 0, -0.55), (0, 0, 0))
-ROTOR = 8.0  # kg, of the motor behind its screw
-
-# the cross, of no mass; the cylinder along −y2; the piston, from its tip down
-JOINTS = (
-    Joint(0, sigma=0, alpha=-np.pi / 2),
-    Joint(1, sigma=0, alpha=np.pi / 2, **CYLINDER),
-    Joint(2, sigma=1, mu=1, alpha=np.pi / 2, **PISTON, IA=ROTOR),
+STRUT = UPS(
+    cylinder=Bar(outer=0.070, inner=0.056, length=0.55, density=named("steel").density),
+    rod=Bar(outer=0.028, length=0.55, density=named("steel").density),
+    rotor_inertia=8.0,  # kg, of the motor behind its screw
 )
 
 
@@ -38,8 +34,7 @@ def corners() -> Array:
 
 def leg(number: int) -> Leg:
     """One of eight equal legs."""
-    rotation, origin = standing(BASE_RADIUS, BASE[number])
-    return Leg(rotation, origin, JOINTS, (Tip(3, attachment=number),))
+    return STRUT.placed(*standing(BASE_RADIUS, BASE[number]), (number,))
 
 
 def octapod(modes: int = 10, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:

@@ -6,12 +6,13 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.spatial import rotation_about_z
+from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
-from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.leg import Leg
 from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
-from parflex.robots.links import box, tube
+from parflex.robots.legs import PUS
 from parflex.robots.rings import plate, ring
 
 RAILS = (-0.45, -0.45, 0.0, 0.0, 0.45, 0.45)  # m: y of the rail of each leg
@@ -19,18 +20,12 @@ END = 1.0  # m from the middle of a rail to its ends
 PLATFORM_RADIUS = 0.25  # m
 PLATFORM = (70, 110, 190, 230, 310, 350)  # degrees: the corners of the plate
 CORNER = (2, 5, 3, 4, 1, 0)  # the corner that each leg holds
-ROD = 0.8  # m
 HOME = (0.0, 0.0, 0.48)  # m over the rails, which lie along x
 PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
-CARRIAGE = box(named("aluminium").density, (0.08, 0.04, 0.12))
-ROD_LINK = tube(named("CFRP quasi-isotropic").density, 0.014, (0, 0, 0), (ROD, 0, 0), bore=0.012)
-
-# the carriage along its rail, y1 upwards; the cross, of no mass; the rod along x3
-JOINTS = (
-    Joint(0, sigma=1, mu=1, gamma=np.pi / 2, alpha=np.pi / 2, **CARRIAGE),
-    Joint(1, sigma=0),
-    Joint(2, sigma=0, alpha=np.pi / 2, **ROD_LINK),
+SLIDER = PUS(
+    carriage=1.0368,  # kg: 80 × 40 × 120 mm of aluminium
+    rod=Bar(outer=0.028, inner=0.024, length=0.8, density=named("CFRP quasi-isotropic").density),
 )
 
 
@@ -43,8 +38,8 @@ def leg(number: int) -> Leg:
     """Every rail has a carriage from each end; the rod leans towards the other."""
     side = (-1) ** number
     rotation = rotation_about_z(np.asarray(np.pi * (number % 2)))
-    tip = Tip(3, (ROD, 0, 0), CORNER[number])
-    return Leg(rotation, (-END * side, RAILS[number], 0.0), JOINTS, (tip,), posture=(0.2, np.pi / 2, 0.8))
+    origin = (-END * side, RAILS[number], 0.0)
+    return SLIDER.placed(rotation, origin, (CORNER[number],), posture=(0.2, np.pi / 2, 0.8))
 
 
 def pus6(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:

@@ -5,26 +5,23 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
-from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.leg import Leg
 from parflex.robot.materials import named
 from parflex.robot.robot import Robot
 from parflex.robots.entry import Entry
-from parflex.robots.links import tube
+from parflex.robots.legs import RPS
 from parflex.robots.rings import THIRDS, cut_triangle, plate, short_sides, standing
 
 BASE_RADIUS, PLATFORM_RADIUS = 0.40, 0.32  # m
 HOME = (0.0, 0.0, 0.65)  # m
 PLATE: dict[str, Any] = {"thickness": 6e-3, "material": "steel"}
 
-CYLINDER = tube(named("steel").density, 0.030, (0, 0, 0), (0, -0.40, 0), bore=0.024)
-PISTON = tube(named("steel").density, 0.012, (0, 0, -0.40), (0, 0, 0))
-ROTOR = 4.0  # kg, of the motor behind its screw
-
-# the cylinder on its hinge, which lies along the base circle; the piston, from its tip down
-JOINTS = (
-    Joint(0, sigma=0, alpha=-np.pi / 2, **CYLINDER),
-    Joint(1, sigma=1, mu=1, alpha=np.pi / 2, **PISTON, IA=ROTOR),
+JACK = RPS(  # its hinge lies along the base circle
+    cylinder=Bar(outer=0.060, inner=0.048, length=0.40, density=named("steel").density),
+    rod=Bar(outer=0.024, length=0.40, density=named("steel").density),
+    rotor_inertia=4.0,  # kg, of the motor behind its screw
 )
 
 
@@ -35,8 +32,7 @@ def corners() -> Array:
 
 def leg(number: int) -> Leg:
     """One of three equal legs."""
-    rotation, origin = standing(BASE_RADIUS, THIRDS[number])
-    return Leg(rotation, origin, JOINTS, (Tip(2, attachment=number),))
+    return JACK.placed(*standing(BASE_RADIUS, THIRDS[number]), (number,))
 
 
 def rps3(modes: int = 9, *, platform: FlexibleBody | None = None, damping_ratio: float = 0.02) -> Robot:

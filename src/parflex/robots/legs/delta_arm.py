@@ -25,9 +25,9 @@ class DeltaArm(Drive, LegKind):
     """
 
     word: ClassVar[str] = "Delta"
-    arm: Bar = part(Bar, "from the motor's axis; its length is that to the rods' joints")
-    rod: Bar = part(Bar, "each of the two, from the arm; its length is that between its joints")
-    spacing: float = given(kinds.LENGTH, "between the two rods", POSITIVE)
+    arm: Bar = part(Bar, "the bar from the motor's axis; its length is that to the rods' joints")
+    rod: Bar = part(Bar, "the bar from the arm, twice; its length is that between its joints")
+    spacing: float = given(kinds.LENGTH, "the distance between the two rods", POSITIVE)
     axis: Given = given(kinds.NUMBER, "of the motor, in the leg's frame", default=(0.0, 1.0, 0.0), shape=(3,))
 
     @property

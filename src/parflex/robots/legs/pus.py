@@ -25,8 +25,8 @@ class PUS(Drive, LegKind):
 
     word: ClassVar[str] = "PUS"
     sigma: ClassVar[int] = 1
-    carriage: float = given(kinds.MASS, "mass of the carriage", NOT_NEGATIVE)
-    rod: Bar = part(Bar, "from the carriage; its length is that between its joints")
+    carriage: float = given(kinds.MASS, "the mass of the carriage", NOT_NEGATIVE)
+    rod: Bar = part(Bar, "the bar from the carriage; its length is that between its joints")
     rail: Given = given(
         kinds.NUMBER, "direction of the rail, in the leg's frame", default=(1.0, 0.0, 0.0), shape=(3,)
     )

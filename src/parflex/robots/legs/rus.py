@@ -23,8 +23,8 @@ class RUS(Drive, LegKind):
     """
 
     word: ClassVar[str] = "RUS"
-    crank: Bar = part(Bar, "from the motor's axis; its length is that to the rod's joint")
-    rod: Bar = part(Bar, "from the crank; its length is that between its joints")
+    crank: Bar = part(Bar, "the bar from the motor's axis; its length is that to the rod's joint")
+    rod: Bar = part(Bar, "the bar from the crank; its length is that between its joints")
     axis: Given = given(
         kinds.NUMBER, "of the motor, in the leg's frame", default=(0.0, -1.0, 0.0), shape=(3,)
     )

@@ -3,10 +3,9 @@
 from collections.abc import Mapping
 from io import StringIO
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -14,7 +13,11 @@ from matplotlib.ticker import MaxNLocator
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.writing import replacing
-from parflex.simulation.result import Result
+
+if TYPE_CHECKING:  # which takes half a second to load
+    import xarray as xr
+
+    from parflex.simulation.result import Result
 
 # Okabe and Ito, Color universal design, 2008: told apart by all readers, and in grey
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#000000", "#999999")
@@ -38,7 +41,7 @@ def figure(width: float, height: float) -> Figure:
     return Figure(figsize=(width, height), layout="constrained", dpi=150)
 
 
-def curves(ax: Axes, data: xr.DataArray, dim: str, labels: list[str], factor: float = 1.0) -> None:
+def curves(ax: Axes, data: "xr.DataArray", dim: str, labels: list[str], factor: float = 1.0) -> None:
     """One curve per entry of a dimension, over time."""
     for i, label in enumerate(labels):
         style = STYLES[i % len(STYLES)]
@@ -87,7 +90,7 @@ def frame_axes(ax: Any, points: Array) -> None:
         axis.set_tick_params(labelsize=7)
 
 
-def require(result: Result, name: str) -> None:
+def require(result: "Result", name: str) -> None:
     """Raise InputError where a picture needs variables that the result does not hold."""
     if name not in result.dataset:
         held = ", ".join(sorted(map(str, result.dataset.data_vars)))

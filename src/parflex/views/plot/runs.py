@@ -1,12 +1,16 @@
 """Pictures of runs over time."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from matplotlib.figure import Figure
 
-from parflex.simulation.result import Result
-from parflex.simulation.variables.energy import RESIDUAL
 from parflex.views.plot.canvas import COLOURS, STYLES, curves, figure, legend_right, require, time_label
 
+if TYPE_CHECKING:
+    from parflex.simulation.result import Result
+
+RESIDUAL = "energy_residual"
 CURVES = {  # of the energy balance; the joints' springs, which few robots have, are left to the report
     "energy_kinetic": "kinetic",
     "energy_gravity": "gravity (change)",
@@ -17,14 +21,14 @@ CURVES = {  # of the energy balance; the joints' springs, which few robots have,
 }
 
 
-def over_time(result: Result) -> dict[str, Figure]:
+def over_time(result: "Result") -> dict[str, Figure]:
     """The figures of a run over time that its result has the data for, by what they show."""
     made = {
         "Actuator forces": (actuator_forces, {"forces", "actuator_name"}),
         "Accelerations": (accelerations, {"acceleration", "acceleration_error"}),
         "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
         "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
-        "Energy balance": (energy, {*CURVES, RESIDUAL.name}),
+        "Energy balance": (energy, {*CURVES, RESIDUAL}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
     return {
@@ -34,7 +38,7 @@ def over_time(result: Result) -> dict[str, Figure]:
     }
 
 
-def actuator_forces(result: Result) -> Figure:
+def actuator_forces(result: "Result") -> Figure:
     """Actuator forces over time (the paper's Fig. 4)."""
     fig = figure(7.0, 3.4)
     ax = fig.subplots()
@@ -47,7 +51,7 @@ def actuator_forces(result: Result) -> Figure:
     return fig
 
 
-def accelerations(result: Result) -> Figure:
+def accelerations(result: "Result") -> Figure:
     """Platform acceleration and its difference from the desired one (the paper's Fig. 5).
 
     Raises InputError for a run without a desired trajectory.
@@ -72,7 +76,7 @@ def accelerations(result: Result) -> Figure:
     return fig
 
 
-def origin_deformation(result: Result) -> Figure:
+def origin_deformation(result: "Result") -> Figure:
     """Linear and angular deformation at the platform's origin (the paper's Fig. 6).
 
     Raises InputError for a platform without a node at its origin.
@@ -93,7 +97,7 @@ def origin_deformation(result: Result) -> Figure:
     return fig
 
 
-def attachment_deformation(result: Result) -> Figure:
+def attachment_deformation(result: "Result") -> Figure:
     """Deformation at the attachment points along each axis that moves (the paper's Fig. 7)."""
     data = result.dataset["attachment_deformation"]
     size = np.max(np.abs(data.values), initial=0.0)
@@ -113,7 +117,7 @@ def attachment_deformation(result: Result) -> Figure:
     return fig
 
 
-def energy(result: Result) -> Figure:
+def energy(result: "Result") -> Figure:
     """The energy ledger and the residual of its balance."""
     fig = figure(7.0, 4.6)
     upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
@@ -123,7 +127,7 @@ def energy(result: Result) -> Figure:
         upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i], label=words)
     upper.set_ylabel("energy (J)")
     legend_right(upper)
-    residual = result.dataset[RESIDUAL.name]
+    residual = result.dataset[RESIDUAL]
     lower.plot(residual["time"], residual, color=COLOURS[6], lw=1.0)
     lower.set_ylabel("residual (J)")
     for ax in (upper, lower):

@@ -10,11 +10,11 @@ from mpl_toolkits.mplot3d.art3d import Poly3DCollection
 
 from parflex.base.array import Array
 from parflex.robot.modes import Modes
-from parflex.simulation.result import Result
 from parflex.views.plot.canvas import COLOURS, figure, frame_axes
 
 if TYPE_CHECKING:
     from parflex.fe import Fields
+    from parflex.simulation.result import Result
 
 
 def mode_shapes(modes: Modes, *, columns: int = 4) -> Figure:
@@ -103,7 +103,7 @@ def stress(modes: Modes, fields: "Fields", title: str = "") -> Figure:
     return fig
 
 
-def shapes_of(result: Result, *, columns: int = 5) -> Figure:
+def shapes_of(result: "Result", *, columns: int = 5) -> Figure:
     """Deflection of a flat platform's modes as its result has them, each scaled to its largest value."""
     data = result.dataset
     mesh = Triangulation(*data["platform_node"].values[:, :2].T, data["platform_triangle"].values)
