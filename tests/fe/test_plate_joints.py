@@ -3,11 +3,13 @@
 import numpy as np
 import pytest
 import skfem
+from scipy.spatial import ConvexHull
 
 import parflex as pf
 from paper_robot import PLATE, corners
 from parflex.fe.plate.argyris import Argyris, argyris
 from parflex.fe.plate.mesh import fan_mesh, plate_mesh
+from parflex.fe.plate.polygon import convex_polygon, feet
 
 APOTHEM = 0.5 * np.cos(np.pi / 6)  # m, of the hexagon: two edges are level
 NONE = np.zeros((0, 2))
@@ -154,3 +156,26 @@ def test_absurd_thickness_is_doubted(thickness, words):
 def test_an_outline_in_millimetres_is_doubted():
     with pytest.warns(pf.ImplausibleValue, match="polygon is 1000 m"):
         pf.fe.plate_body(1e3 * corners(), 15.0, material="steel")
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_any_joints_of_any_plate(seed):
+    """Random convex outlines and points, on edges and close together too: the mesh tiles the plate, has every
+    point, and its outline is the plate's."""
+    rng = np.random.default_rng(seed)
+    cloud = rng.standard_normal((rng.integers(4, 12), 2)) * (1.0, 10 ** rng.uniform(-1.5, 0))
+    outline = convex_polygon(cloud[ConvexHull(cloud).vertices])
+    n, size = len(outline), np.max(np.ptp(outline, axis=0))
+    inside = rng.dirichlet(np.ones(n), 5) @ outline
+    edge = outline[0] + rng.random((2, 1)) * (outline[1] - outline[0])
+    close = inside[:1] + (outline[2] - inside[:1]) * 10 ** rng.uniform(-4, -2)
+    points = np.concatenate([inside, edge, close])
+    mesh = plate_mesh(outline, int(rng.integers(0, 4)), points)
+    x, y = mesh.p[:, mesh.t]
+    areas = 0.5 * np.abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0]))
+    X, Y = outline.T
+    assert np.isclose(np.sum(areas), 0.5 * np.sum(X * np.roll(Y, -1) - Y * np.roll(X, -1)), rtol=1e-9)
+    assert np.max(np.min(np.linalg.norm(mesh.p.T[:, None] - points, axis=-1), axis=0)) < 1e-6 * size
+    middles = mesh.p[:, mesh.facets[:, mesh.boundary_facets()]].mean(axis=1).T
+    assert np.max(np.min(feet(outline, middles)[1], axis=1)) < 1e-9 * size
+    assert np.allclose(mesh.p.T[1 : n + 1], outline)

@@ -35,6 +35,13 @@ def listening() -> Iterator[list[str]]:
         _HEARD.reset(token)
 
 
+@contextmanager
+def derived() -> Iterator[None]:
+    """Doubt nothing in a block whose numbers are computed from given ones, which were doubted themselves."""
+    with listening():
+        yield
+
+
 def usual(name: str, value: ArrayLike, kind: Kind) -> None:
     """Doubt a number, or the largest of an array, that is more than machines have of its kind."""
     array = np.asarray(value, dtype=float)

@@ -8,7 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.kinds import LENGTH
-from parflex.base.plausible import usual
+from parflex.base.plausible import derived, usual
 from parflex.files.described import built
 from parflex.files.leg_tables import chain_parts, placed_leg
 from parflex.files.platform_tables import platform
@@ -69,8 +69,9 @@ def with_springs_at_rest(reader: Reader, table: RobotTable, robot: Robot) -> Rob
     if not any(loose):
         return robot
     q = reader.must(("home",), joints_at_home, robot)
-    rested = [at_rest(leg, at) if free else leg for leg, at, free in zip(robot.legs, q, loose, strict=True)]
-    return replace(robot, legs=rested)
+    with derived():
+        legs = [at_rest(leg, at) if free else leg for leg, at, free in zip(robot.legs, q, loose, strict=True)]
+        return replace(robot, legs=legs)
 
 
 def at_rest(leg: Leg, q: Array) -> Leg:

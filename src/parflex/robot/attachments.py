@@ -27,7 +27,8 @@ def attachment_nodes(nodes: Array, wanted: Sequence[int] | ArrayLike) -> tuple[i
         if distance[nearest] > 1e-6 * size:
             raise InputError(
                 f"attachments[{number}] = {point} is on no node; the nearest, {nearest}, is "
-                f"{distance[nearest]:.4g} m away at {nodes[nearest]}: use its number, or refine"
+                f"{distance[nearest]:.4g} m away at {nodes[nearest]}: use its number, or, of a plate, "
+                f"name the points when it is made: pf.fe.plate_modes(…, points=…)"
             )
         found.append(nearest)
     return tuple(found)

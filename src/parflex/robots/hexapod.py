@@ -7,7 +7,7 @@ from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
 from parflex.base.kinds import LENGTH
-from parflex.base.plausible import doubt, listening
+from parflex.base.plausible import derived, doubt
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.bar import Bar
 from parflex.robot.body import FlexibleBody
@@ -84,7 +84,7 @@ def assembled(
     if strut is not None:
         check_strut(of_type("strut", strut, Strut), lengths)
         check_apart(strut, feet, heads)
-    with listening():  # what is computed from given numbers was doubted with them
+    with derived():
         used = usual_strut(geometry.length) if strut is None else strut
         legs = [
             leg(used, float(length), foot, head, number)
@@ -107,7 +107,8 @@ def disc(geometry: HexapodGeometry) -> FlexibleBody:
     thick = geometry.platform_radius / 8
     radius = geometry.platform_radius + thick
     link = tube(named("aluminium").density, radius, (0, 0, -thick / 2), (0, 0, thick / 2))
-    return FlexibleBody.rigid(link["M"], (0, 0, 0), link["I"], geometry.platform_joints)
+    with derived():
+        return FlexibleBody.rigid(link["M"], (0, 0, 0), link["I"], geometry.platform_joints)
 
 
 def usual_strut(length: float) -> Strut:
