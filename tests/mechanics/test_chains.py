@@ -1,7 +1,5 @@
 """The models against the oracle on every short leg there is, each by itself under a platform."""
 
-from itertools import cycle, product
-
 import numpy as np
 import pytest
 
@@ -11,20 +9,13 @@ import parflex as pf
 from measures import relative
 
 LIBRARY = 1e-9  # the accuracy the library promises; the oracle is solved to 1e-12
-SHAPES = ((1, 0), (2, 0), (1, 2), (2, 2))  # legs and modes
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*beyond a dynamic singularity")
 
 
-def every_case():
-    """All kinds, in turn on one leg or two, rigid or bending; all four for all of them is slow."""
-    for number, kind in enumerate(chains.kinds()):
-        for shape in SHAPES:
-            marks = () if shape == SHAPES[number % 4] else pytest.mark.slow
-            yield pytest.param(kind, *shape, marks=marks, id=f"{kind}, {shape[0]} legs, {shape[1]} modes")
-
-
-@pytest.mark.parametrize(("kind", "count", "modes"), list(every_case()))
+@pytest.mark.parametrize(
+    ("kind", "count", "modes"), chains.cases(chains.kinds(), (1, 0), (2, 0), (1, 2), (2, 2))
+)
 def test_models(kind, count, modes):
     """Accelerations of platform, modes and joints; forces for wanted accelerations, where motors move it."""
     sample = chains.sample(kind, count, modes)
@@ -38,15 +29,7 @@ def test_models(kind, count, modes):
     check_energies(model, sample)
 
 
-def compiled_cases():
-    """Every chain once, in turn on two legs and on one; all of them on both are slow."""
-    first = dict(zip(chains.some(), cycle(((2, 1), (1, 0)))))
-    for kind, shape in product(chains.kinds(), ((2, 1), (1, 0))):
-        marks = () if first.get(kind) == shape else pytest.mark.slow
-        yield pytest.param(kind, *shape, marks=marks, id=f"{kind}, {shape[0]} legs, {shape[1]} modes")
-
-
-@pytest.mark.parametrize(("kind", "count", "modes"), list(compiled_cases()))
+@pytest.mark.parametrize(("kind", "count", "modes"), chains.cases(chains.some(), (2, 1), (1, 0)))
 @pytest.mark.parametrize("backend", ["vm", "native"])
 def test_compiled_models(kind, backend, count, modes, recwarn):
     """The same from compiled code, singly, in batches and in wide ones."""

@@ -15,12 +15,8 @@ LIBRARY = 1e-9  # the accuracy the library promises
 CLOSED = 1e-11  # m, of a state found by Newton's method
 FORWARD = 1e-9  # m and rad: it ends at 1e-10 of the platform's size
 
-SHAPES = ((1, 0), (2, 1))  # legs and modes
-KINDS = chains.some() + chains.rest(pytest.mark.slow)
-
 pytestmark = [
-    pytest.mark.parametrize("kind", KINDS, ids=str),
-    pytest.mark.parametrize(("count", "modes"), SHAPES),
+    pytest.mark.parametrize(("kind", "count", "modes"), chains.cases(chains.some(), (2, 1), (1, 0))),
     pytest.mark.filterwarnings("ignore:.*beyond a dynamic singularity"),
 ]
 

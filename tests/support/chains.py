@@ -4,7 +4,7 @@ ways, with one tip or two; and posts, which have no joints. Robots that stand on
 
 from dataclasses import dataclass, replace
 from functools import cache
-from itertools import product
+from itertools import cycle, product
 
 import numpy as np
 import pytest
@@ -57,10 +57,15 @@ def some() -> list[Kind]:
     return found
 
 
-def rest(mark: pytest.MarkDecorator) -> list:
-    """All others, with a mark."""
-    first = some()
-    return [pytest.param(kind, marks=mark, id=str(kind)) for kind in kinds() if kind not in first]
+def cases(first: list[Kind], *shapes: tuple[int, int]) -> list:
+    """Parameters (kind, legs, modes): the first kinds in one shape each, in turn; all in all are slow."""
+    chosen = dict(zip(first, cycle(shapes), strict=False))
+    found = []
+    for kind, shape in product(kinds(), shapes):
+        marks = () if chosen.get(kind) == shape else pytest.mark.slow
+        name = "{}, {} legs, {} modes".format(kind, *shape)
+        found.append(pytest.param(kind, *shape, marks=marks, id=name))
+    return found
 
 
 def joint(rng: np.random.Generator, kind: Kind, number: int) -> pf.Joint:
