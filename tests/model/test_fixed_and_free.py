@@ -18,7 +18,7 @@ def fixed() -> pf.Robot:
 
 @pytest.mark.parametrize("backend", ALL_BACKENDS)
 def test_fixed(backend):
-    """Nothing moves; three posts carry the weight, with no more force than it takes: nine rows of rank six."""
+    """Nothing moves; three posts carry the weight: nine rows of rank six."""
     model = pf.Model(fixed(), backend)
     found = model.direct(model.robot.home, [])
     assert np.max(np.abs(found.platform)) <= EXACT
