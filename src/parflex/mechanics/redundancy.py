@@ -37,19 +37,25 @@ def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows]:
 
     Raises OutOfReach where the legs do not meet the platform at home.
     """
+    count, bend = 3 * len(mechanism.attachments), mechanism.layout.displacements.elastic
     if mechanism.closed:
-        every = np.eye(3 * len(mechanism.attachments))
-        return rows_of([every]), rows_of([every])
-    found, bend = generic_matrices(mechanism), mechanism.layout.displacements.elastic
-    return rows_of(found), rows_of([np.delete(G, bend, axis=1) for G in found])
+        every = rows_of(np.arange(count), count)
+        return every, every
+    found = generic_matrices(mechanism)
+    unbent = [np.delete(G, bend, axis=1) for G in found]
+    return rows_of(most_independent(found), count), rows_of(most_independent(unbent), count)
 
 
-def rows_of(matrices: list[Array]) -> Rows:
-    """The rows that are independent in one of the matrices (r, c), and those that depend on them."""
-    units = [G / np.linalg.norm(G, axis=1, keepdims=True) for G in matrices]
-    kept = max((independent(G) for G in units), key=len)
-    dropped = np.setdiff1d(np.arange(len(matrices[0])), kept)
+def rows_of(kept: Array, count: int) -> Rows:
+    """The rows that are kept, of so many."""
+    dropped = np.setdiff1d(np.arange(count), kept)
     return Rows(kept, dropped, np.argsort(np.concatenate([kept, dropped])))
+
+
+def most_independent(matrices: list[Array]) -> Array:
+    """Numbers of a largest set of rows that are independent in one of the matrices (r, c)."""
+    units = (G / np.linalg.norm(G, axis=1, keepdims=True) for G in matrices)
+    return max((independent(G) for G in units), key=len)
 
 
 def generic_matrices(mechanism: Mechanism) -> list[Array]:

@@ -214,8 +214,8 @@ class Model:
         Raises as `direct`.
         """
         contact = self.direct(state, forces, wrenches).contact_forces
-        parts = zip(*joint_reactions(*legs_moved(self._core, state, forces, contact)), strict=True)
-        return Reactions(*(by_leg(self._core.mechanism, part, core=2) for part in parts))
+        pairs = joint_reactions(*legs_moved(self._core, state, forces, contact))
+        return Reactions(*(by_leg(self._core.mechanism, [p[i] for p in pairs], core=2) for i in (0, 1)))
 
     def energies(self, state: State) -> Energies:
         """Kinetic, gravitational and strain energy of the robot, and that of its joints' springs."""

@@ -125,7 +125,7 @@ def parameter_sensitivity(
     rows = [
         part.reshape((*part.shape[:-3], part.shape[-3] * part.shape[-2], part.shape[-1])) for part in parts
     ]
-    s = np.concatenate(rows, axis=-2)
+    s = block([[np.zeros((0, len(theta)))], *([part] for part in rows)])
     return at.Y @ s - at.Q @ r_1
 
 
@@ -197,7 +197,8 @@ def closure_changes(system: System, qdd: list[Array], f: Array, a: Array) -> Arr
         rows.append(wide.reshape((*wide.shape[:-3], len(Phi) * count, wide.shape[-1])))
         joints.append((block_diagonal(found.joints), block_diagonal(found.joint_rates)))
     by_joint = [diagonal([part[i] for part in joints])[..., system.mechanism.carried_order] for i in (0, 1)]
-    return block([[np.concatenate(rows, axis=-2), *by_joint]])
+    every = block([[np.zeros((0, 12 + 2 * shapes.shape[-1]))], *([part] for part in rows)])
+    return block([[every, *by_joint]])
 
 
 def hats(vectors: Array) -> Array:
