@@ -172,12 +172,7 @@ native.NativeFunction(kernels.actuators(solvable(robot)))
 """
 CUT = """
 import os
-from pathlib import Path
-whole = Path.write_bytes
-def half(path, data):
-    whole(path, data[: len(data) // 2])
-    os._exit(9)
-Path.write_bytes = half
+os.fsync = lambda handle: os._exit(9)  # when all is written but named
 """
 
 
@@ -202,7 +197,7 @@ def test_two_at_once_and_one_that_died(own_cache):
     for process in two:
         process.communicate()
     assert [process.returncode for process in two] == [0, 0]
-    (path,) = own_cache.glob("*.bin")
+    (path,) = own_cache.iterdir()
     assert cache.load(path.stem) is not None
 
 

@@ -233,24 +233,6 @@ def test_what_lies_beyond_a_crossing_is_not_kept(model_of, backend):
     assert watch.look(x[:first]) == (first, "")
 
 
-class OnFullDisk(xr.Dataset):
-    """A dataset that finds no space."""
-
-    __slots__ = ()
-
-    def to_netcdf(self, *args, **kwargs):
-        raise OSError(28, "No space left on device")
-
-
-def test_full_disk_leaves_the_old_file(held, tmp_path):
-    path = held.save(tmp_path / "run.nc")
-    before = path.read_bytes()
-    with pytest.raises(pf.InputError, match="was not written: No space left on device; what was there"):
-        pf.Result(OnFullDisk, "").save(path)
-    assert path.read_bytes() == before
-    assert os.listdir(tmp_path) == ["run.nc"]
-
-
 def test_unwritable_folder_is_said(held, tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(pf.InputError, match="was not written"):

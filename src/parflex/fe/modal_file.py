@@ -125,8 +125,9 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
     }
     data = xr.Dataset(variables, attrs=attributes)
     data.attrs["checksum"] = checksum(data)
+    whole = data.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
     with replacing(path) as part:
-        data.to_netcdf(part, engine="h5netcdf")
+        part.write(whole)
 
 
 def values_of_modes(modes: Modes) -> dict[str, Any]:

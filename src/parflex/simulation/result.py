@@ -55,8 +55,9 @@ class Result:
         Raises InputError where the file cannot be written.
         """
         target = Path(path)
+        data = self.dataset.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
         with replacing(target) as part:
-            self.dataset.to_netcdf(part, engine="h5netcdf")
+            part.write(data)
         return target
 
 

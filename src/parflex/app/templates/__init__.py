@@ -33,4 +33,4 @@ def write_templates(name: Path, robot: str = "gough-stewart", force: bool = Fals
 def write(path: Path, text: str) -> None:
     """Write a text file whole or not at all."""
     with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write(text.encode())

@@ -39,7 +39,7 @@ class View:
         """Write the page, whole or not at all; raises InputError where it cannot be written."""
         target = Path(path)
         with replacing(target) as part:
-            part.write_text(self.html, encoding="utf-8")
+            part.write(self.html.encode())
         return target
 
     def _repr_html_(self) -> str:
