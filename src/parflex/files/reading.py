@@ -7,15 +7,18 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
+import numpy as np
 from pydantic import ValidationError
 
 from parflex.base.absent import absent
 from parflex.base.errors import InputError
-from parflex.files.lines import Where, line_of, reached
-from parflex.files.sentences import field_name, sentences
+from parflex.files.document import Order, too_deep, unfit
+from parflex.files.lines import Where, lines_of, reached
+from parflex.files.sentences import field_name, sentence, told_once
 from parflex.files.tables import Table
 
 MOST = 5  # complaints at once
+LARGEST = 4_000_000  # bytes
 FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
 
 T = TypeVar("T", bound=Table)
@@ -31,30 +34,47 @@ class Reader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self._complaints: list[tuple[int, str]] = []
+        self._complaints: set[tuple[Where, str]] = set()  # places, and sentences about them
+        self._cause: Exception | None = None  # of a complaint that nobody thought of
         self.text = file_text(self.path)
+        deep = too_deep(self.text)
+        if deep:
+            raise self._at(deep, "brackets are nested deeper than any field needs; is one not closed?")
         try:
             self._document = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
-            self._complain(syntax_line(error, self.text), f"not TOML: {syntax_words(error)}")
-            raise self._told() from None
+            words = f"not TOML: {syntax_words(error)}"
+            raise self._at(syntax_line(error, self.text), words) from None
+        except (ValueError, RecursionError) as error:  # a number of thousands of digits
+            raise InputError(f"{self.path.name}: not TOML: {str(error).split(';')[0]}") from None
+        self._order = Order(self._document)
+        for where, words in unfit(self._document):
+            self._complaints.add((where, f"{field_name(where)} {words}"))
+        self.stop()
 
     def table(self, kind: type[T]) -> T:
         """The whole file as tables; raises InputError with all that does not fit."""
         try:
             return kind.model_validate(self._document)
         except ValidationError as error:
-            for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
-                self._complain(line_of(self.text, where), words)
-            raise self._told() from None
+            schema = kind.model_json_schema()
+            errors = told_once(error.errors(include_url=False), schema)
+            errors.sort(key=lambda found: self._order.of(found["loc"]))
+            told = [sentence(found, self._document, schema) for found in errors[:MOST]]
+            self._complaints.update(told)
+            raise self._told(len(errors) - len(told)) from None
 
     def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
-        """The result of `build`; where it raises InputError, None, and one complaint more."""
+        """The result of `build`; where it raises an error, None, and one complaint more."""
         try:
-            return build(*args, **kwargs)
+            with np.errstate(over="raise", divide="raise", invalid="raise"):
+                return build(*args, **kwargs)
         except InputError as error:
             self._locate(where, str(error))
-            return None
+        except Exception as error:  # whatever numbers that nobody thought of lead to
+            self._cause = error
+            self._locate(where, f": nothing can be made of this ({brief(error)}); check numbers and units")
+        return None
 
     def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
         """The same as `attempt`, but a complaint is raised at once."""
@@ -65,36 +85,51 @@ class Reader:
     def stop(self) -> None:
         """Raise InputError if there are complaints."""
         if self._complaints:
-            raise self._told() from None
+            raise self._told() from self._cause
 
     def _locate(self, where: Where, error: str) -> None:
         """A complaint at `where`, or at the field of it that the error begins with."""
         field = FIELD.match(error)
         place = reached(self._document, (*where, field[1] if field else ""))
         named = field is not None and len(place) > len(where)
-        words = error[field.end() :] if field and named else f": {error}"
-        self._complain(line_of(self.text, place), field_name(place if named else where) + words)
+        words = error[field.end() :] if field and named else f": {error.removeprefix(': ')}"
+        self._complaints.add((place, field_name(place if named else where) + words))
 
-    def _told(self) -> InputError:
-        """The complaints, by line, as one error."""
-        told = [words for _, words in sorted(set(self._complaints))]
-        rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
-        return InputError("\n".join(told[:MOST] + rest))
+    def _told(self, more: int = 0) -> InputError:
+        """The first complaints by line, and how many more there are, as one error; these alone are located."""
+        known = sorted(self._complaints, key=lambda each: (self._order.of(each[0]), each[1]))
+        lines = lines_of(self.text, [where for where, _ in known[:MOST]])
+        told = [self._at(line, words) for line, (_, words) in zip(lines, known[:MOST], strict=True)]
+        more += len(known) - len(told)
+        return InputError("\n".join([*map(str, told), *[f"… and {more} more"] * (more > 0)]))
 
-    def _complain(self, line: int, words: str) -> None:
-        self._complaints.append((line, f"{self.path.name}:{line}: {words}"))
+    def _at(self, line: int, words: str) -> InputError:
+        return InputError(f"{self.path.name}:{line}: {words}")
+
+
+def brief(error: Exception) -> str:
+    """The kind and the first line of an error."""
+    words = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {words[0][:200]}" if words else type(error).__name__
 
 
 def file_text(path: Path) -> str:
-    """The text of a file; raises InputError where there is none."""
+    """The text of a file, without a byte order mark, lines ending with LF; raises InputError where there is
+    none."""
     try:
-        return path.read_text(encoding="utf-8").replace("\r\n", "\n")
+        with path.open("rb") as file:
+            data = file.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise InputError(f"{path} is larger than {LARGEST // 1_000_000} MB; no file of this kind is")
+        return data.decode("utf-8-sig").replace("\r\n", "\n")
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; a TOML file is") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+        raise InputError(f"{path} cannot be read: {getattr(error, 'strerror', error)}") from None
 
 
 AT = re.compile(r" \(at line (\d+), column \d+\)| \(at end of document\)")

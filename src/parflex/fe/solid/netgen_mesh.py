@@ -16,6 +16,7 @@ from parflex.base.errors import InputError
 from parflex.base.extra import extra
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
+from parflex.fe.imports.foreign import unmarked
 from parflex.fe.plate.polygon import simple_polygon
 from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
 from parflex.fe.units import length_unit, unit_of_step
@@ -109,7 +110,8 @@ def step_mesh(
     if named is None:
         raise InputError(f"{file} names no unit of length; it is no STEP file, or a damaged one")
     try:
-        shape = occ.OCCGeometry(str(file)).shape
+        with unmarked(file) as plain:
+            shape = occ.OCCGeometry(str(plain)).shape
     except Exception as error:  # Netgen's own kind
         raise InputError(f"{file} is damaged or no STEP file: {str(error).splitlines()[0]}") from None
     if not shape.solids:
