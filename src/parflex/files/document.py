@@ -1,10 +1,12 @@
 """A TOML document before its tables are made: its order, and what would make work without end."""
 
+import re
 from typing import Any
 
-from parflex.files.lines import Where, depths, reached
+from parflex.files.lines import DEPTHS, TOKENS, Where, reached
 
 DEEPEST = 50  # arrays and tables in one another
+DOTTED = re.compile(rf"(?<![\w-])(?:[\w-]*\.){{{DEEPEST}}}")
 WHOLE = range(-(2**63), 2**63)  # the whole numbers of TOML
 
 
@@ -31,8 +33,18 @@ class Order:
 
 
 def too_deep(text: str) -> int:
-    """The first line, from 1, at whose end more brackets are open than any field needs; 0 for none."""
-    return next((line for line, depth in enumerate(depths(text), 1) if depth > DEEPEST), 0)
+    """The first line, from 1, with more open brackets or parts of a key than any field needs; 0 for none."""
+    plain = TOKENS.sub(lambda token: token[0] if token[0] in DEPTHS else "\n" * token[0].count("\n"), text)
+    dotted = DOTTED.search(re.sub("[ \t]+", "", plain))
+    if dotted:
+        return dotted.string.count("\n", 0, dotted.start()) + 1
+    depth, line = 0, 1
+    for token in re.findall(r"[][{}\n]", plain):
+        depth += DEPTHS.get(token, 0)
+        line += token == "\n"
+        if depth > DEEPEST:
+            return line
+    return 0
 
 
 def unfit(document: Any) -> list[tuple[Where, str]]:
@@ -42,7 +54,7 @@ def unfit(document: Any) -> list[tuple[Where, str]]:
     while left:
         where, node = left.pop()
         if isinstance(node, int) and node not in WHOLE:
-            found.append((where, "is a whole number of more than 64 bits; write it with a point, like 1.5e20"))
+            found.append((where, "is a whole number beyond 64 bits; write it with a point, like 1.5e20"))
         elif not isinstance(node, (dict, list)):
             continue
         elif len(where) > DEEPEST:

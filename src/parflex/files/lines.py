@@ -44,7 +44,7 @@ def lines_of(text: str, places: Sequence[Where]) -> list[int]:
     """The lines of several values; the file is gone through once."""
     lines, ends, document = text.split("\n"), depths(text), tomllib.loads(text)
     wanted = [reached(document, where) for where in places]
-    found = {(): 1}
+    found: dict[Where, int] = {(): 1}
     for each in statements(lines, ends):
         for where in wanted:
             if where not in found and each.gives(where):
@@ -69,12 +69,15 @@ def depths(text: str) -> list[int]:
 
 def statements(lines: Sequence[str], ends: Sequence[int]) -> Iterator[Statement]:
     """The statements of a document in order: its values, and the heads of its tables."""
-    start, table, counts = 0, (), dict[Where, int]()
+    start = 0
+    table: Where = ()
+    counts: dict[Where, int] = {}
     for end, depth in enumerate(ends, 1):
         if depth:
             continue
         text, first = "\n".join(lines[start:end]), start + 1
-        values, start = parsed(text) or {}, end
+        values: Any = parsed(text) or {}
+        start = end
         if text.lstrip().startswith("["):
             table, values = head(values, counts), None
         if values is None or values:

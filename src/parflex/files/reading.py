@@ -19,6 +19,7 @@ from parflex.files.tables import Table
 
 MOST = 5  # complaints at once
 LARGEST = 4_000_000  # bytes
+LONG = re.compile(r"\d[\d_]{4000}")
 FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
 
 T = TypeVar("T", bound=Table)
@@ -39,14 +40,17 @@ class Reader:
         self.text = file_text(self.path)
         deep = too_deep(self.text)
         if deep:
-            raise self._at(deep, "brackets are nested deeper than any field needs; is one not closed?")
+            raise self._at(deep, "this is nested deeper than any field needs; is a bracket not closed?")
         try:
             self._document = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
             words = f"not TOML: {syntax_words(error)}"
             raise self._at(syntax_line(error, self.text), words) from None
-        except (ValueError, RecursionError) as error:  # a number of thousands of digits
-            raise InputError(f"{self.path.name}: not TOML: {str(error).split(';')[0]}") from None
+        except (ValueError, RecursionError):  # what Python does not read as a number
+            before = LONG.split(self.text, maxsplit=1)[0]
+            raise self._at(
+                before.count("\n") + 1, "a number has thousands of digits; write it like 1.5e20"
+            ) from None
         self._order = Order(self._document)
         for where, words in unfit(self._document):
             self._complaints.add((where, f"{field_name(where)} {words}"))
@@ -96,7 +100,7 @@ class Reader:
         self._complaints.add((place, field_name(place if named else where) + words))
 
     def _told(self, more: int = 0) -> InputError:
-        """The first complaints by line, and how many more there are, as one error; these alone are located."""
+        """The first complaints by line, which alone are located, and the number of others, as an error."""
         known = sorted(self._complaints, key=lambda each: (self._order.of(each[0]), each[1]))
         lines = lines_of(self.text, [where for where, _ in known[:MOST]])
         told = [self._at(line, words) for line, (_, words) in zip(lines, known[:MOST], strict=True)]
@@ -104,7 +108,12 @@ class Reader:
         return InputError("\n".join([*map(str, told), *[f"… and {more} more"] * (more > 0)]))
 
     def _at(self, line: int, words: str) -> InputError:
-        return InputError(f"{self.path.name}:{line}: {words}")
+        return InputError(f"{self.path.name}:{line}: {printable(words)}")
+
+
+def printable(words: str) -> str:
+    """The words on one line, for a terminal to show and not to obey."""
+    return "".join(each if each.isprintable() else f"\\u{ord(each):04x}" for each in words)
 
 
 def brief(error: Exception) -> str:

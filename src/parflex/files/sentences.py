@@ -57,7 +57,9 @@ def words_of(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
     if kind in ("too_short", "too_long"):
         wanted = f"at least {context['min_length']}" if kind == "too_short" else f"{context['max_length']}"
         return f"{field} has {context['actual_length']} entries; give {wanted}"
-    words = str(found["msg"]).replace("Input should be", "expected").replace("a valid ", "a ")
+    words = (
+        str(found["msg"]).replace("Input should be", "expected").replace("a valid integer", "a whole number")
+    )
     return f"{field} is {shown(value)}; {words.replace('a dictionary', 'a table')}"
 
 

@@ -22,6 +22,7 @@ from parflex.fe.solid.mesh import EDGES, MIRRORED, SolidMesh, solid_mesh
 from parflex.fe.units import length_unit, unit_of_step
 
 LEAST, UNKNOWNS, UTMOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
+MOST = 150_000  # cubes of the size of an element in a solid; each holds seven tetrahedra or so
 TRIES = 8
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
 NETGEN_EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -182,7 +183,13 @@ def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | Non
 def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> SolidMesh:
     """The mesh of a size, or of the number of unknowns that is wanted."""
     if size is not None:
-        return tetrahedra(shape, positive("size", size), near, fine)
+        least = (shape.mass / MOST) ** (1 / 3)
+        if positive("size", size) < least:
+            raise InputError(
+                f"size is {size} m, so small that the solid falls into more than a million elements, which "
+                f"no workstation solves; give {least:.2g} m or more"
+            )
+        return tetrahedra(shape, size, near, fine)
     trial, power = float(np.prod(np.ptp(bounds(shape), axis=0)) ** (1 / 3)) / 4, 0.45
     best: SolidMesh | None = None
     for _ in range(TRIES):
