@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import xarray as xr
 
 from spoil import spoilt
 
@@ -78,3 +79,31 @@ def editor(text: str, rng: np.random.Generator) -> str:
 
 
 CHANGES = (large, real, value, line, key, editor)
+
+
+def other_dataset(data: xr.Dataset, rng: np.random.Generator) -> xr.Dataset:
+    """A dataset that lacks an attribute or a variable, or has another in its place."""
+    names, attrs = sorted(map(str, data.variables)), sorted(data.attrs)
+    name, attr = names[int(rng.integers(len(names)))], attrs[int(rng.integers(len(attrs)))]
+    match int(rng.integers(7)):
+        case 0:
+            return data.drop_attrs(deep=False).assign_attrs(
+                {k: v for k, v in data.attrs.items() if k != attr}
+            )
+        case 1:
+            return data.assign_attrs({attr: (3.5, "word", -1, np.zeros(3), "")[int(rng.integers(5))]})
+        case 2:
+            return data.drop_vars(name)
+        case 3:
+            return data.drop_vars(name).assign({name: ("other", np.arange(3.0))})
+        case 4:
+            words = data[name].dtype.kind in "US"
+            return data.assign({name: (data[name].dims, np.full(data[name].shape, 0.5 if words else "word"))})
+        case 5:
+            dims = sorted(map(str, data.sizes))
+            return data.isel({dims[int(rng.integers(len(dims)))]: slice(0, int(rng.integers(2)))})
+        case _:
+            values = data[name].values.copy()
+            if values.dtype.kind in "if" and values.size:
+                values.flat[int(rng.integers(values.size))] = (10**6, -7)[int(rng.integers(2))]
+            return data.assign({name: (data[name].dims, values)})

@@ -17,6 +17,7 @@ except ImportError:  # on Windows, where a file that is open cannot be removed
     fcntl = None  # type: ignore[assignment]
 
 PART = ".part"
+WRITTEN: dict[Path, None] = {}  # what this process has written, in order
 KINDS = {
     stat.S_ISDIR: "a folder",
     stat.S_ISCHR: "a device",
@@ -51,6 +52,7 @@ def replacing(target: Path) -> Iterator[IO[bytes]]:
             if fcntl is None:
                 part.close()
             os.replace(name, place)
+            WRITTEN[target] = None
     except (OSError, ValueError) as error:  # ValueError: a name with a NUL, a surrogate
         if isinstance(error, InputError):
             raise
