@@ -232,6 +232,29 @@ def test_parts_hand_their_values_on(model_of, monkeypatch, lanes):
     assert native.code(kernel, lanes).sound
 
 
+PROCESSORS = {  # the format of its objects, and what they begin with
+    "aarch64-unknown-linux-gnu": ("generic", b"\x7fELF", (18, 183)),
+    "arm64-apple-macosx": ("apple-m1", b"\xcf\xfa\xed\xfe", (4, 12)),
+    "x86_64-unknown-linux-gnu": ("x86-64", b"\x7fELF", (18, 62)),
+}
+
+
+@pytest.mark.parametrize("lanes", [1, 2])
+@pytest.mark.parametrize("triple", PROCESSORS)
+def test_code_for_other_processors_is_compiled(model_of, triple, lanes):
+    """The same text, by LLVM's translators for ARM and for the least x86: two doubles in a register."""
+    llvm = native.llvm
+    llvm.initialize_all_targets()
+    llvm.initialize_all_asmprinters()
+    cpu, begins, (at, number) = PROCESSORS[triple]
+    target = llvm.Target.from_triple(triple).create_target_machine(cpu=cpu, opt=2)
+    text = ir.module(program(kernels.direct(solvable(model_of(1).robot)), 2 if lanes == 1 else 1), lanes, 2)
+    code = target.emit_object(llvm.parse_assembly(text))
+    assert code.startswith(begins)
+    assert code[at] == number
+    assert len(code) > 10_000
+
+
 FORK = """
 import os, warnings
 import numpy as np

@@ -51,7 +51,7 @@ def lines_of(text: str, places: Sequence[Where]) -> list[int]:
                 found[where] = line_in_array(lines, ends, each, where)
         if len(found) > len(set(wanted)):
             break
-    return [found[where] for where in wanted]
+    return [found.get(where, 1) for where in wanted]
 
 
 def depths(text: str) -> list[int]:

@@ -130,7 +130,7 @@ def file_text(path: Path) -> str:
             data = file.read(LARGEST + 1)
         if len(data) > LARGEST:
             raise InputError(f"{path} is larger than {LARGEST // 1_000_000} MB; no file of this kind is")
-        return data.decode("utf-8-sig").replace("\r\n", "\n")
+        return re.sub("\r+\n", "\n", data.decode("utf-8-sig"))  # converted more than once, by mail
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except UnicodeDecodeError:
