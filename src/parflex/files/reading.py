@@ -19,6 +19,7 @@ from parflex.files.tables import Table
 
 MOST = 5  # complaints at once
 LARGEST = 4_000_000  # bytes
+LONGEST = 600  # characters of a complaint
 LONG = re.compile(r"\d[\d_]{4000}")
 FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+)")  # 'Leg.rotation is …' is about the field rotation
 
@@ -112,7 +113,9 @@ class Reader:
 
 
 def printable(words: str) -> str:
-    """The words on one line, for a terminal to show and not to obey."""
+    """The words on one line, for a terminal to show and not to obey; of very many the first and the last."""
+    if len(words) > LONGEST:
+        words = f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
     return "".join(each if each.isprintable() else f"\\u{ord(each):04x}" for each in words)
 
 

@@ -8,7 +8,7 @@ from threading import Lock
 from typing import Any
 
 from parflex.base.errors import InputError
-from parflex.views.viewer.opening import Opened, opened
+from parflex.views.viewer.opening import Opened, opened, showing
 from parflex.views.viewer.page import page_of
 from parflex.views.viewer.stress import with_stress
 
@@ -51,7 +51,8 @@ class LivePage:
             if self._made is None:
                 raise
             result = Opened.nothing(str(error))
-        return page_of(result, self._path.name, self._curves, live=STAMP, stamp=stamp)
+        with showing(self._path):
+            return page_of(result, self._path.name, self._curves, live=STAMP, stamp=stamp)
 
 
 class LiveServer(ThreadingHTTPServer):
