@@ -1,5 +1,5 @@
 """`python -m parflex`."""
 
-from parflex.app.cli import run
+from parflex.app.start import run
 
 run()

@@ -2,6 +2,7 @@
 
 import os
 import warnings
+from codecs import BOM_UTF8
 from pathlib import Path
 
 import numpy as np
@@ -133,6 +134,14 @@ def test_spoilt_files_make_one_sentence_or_the_same_platform(case, modes, tmp_pa
             assert outcomes.count("refused") >= SPOILT // 2, name
             assert set(outcomes) <= {"refused", "the same", "repaired, and said to be"}, name
             assert outcomes.count("repaired, and said to be") <= SPOILT // 200 + 1, name
+
+
+def test_marks_and_line_ends_of_editors_change_nothing(case, modes, tmp_path):
+    """UTF-8 with a byte order mark and lines that end with CR LF, as Notepad writes."""
+    texts = {name: path for name, path in case.spoilt.items() if b"\0" not in path.read_bytes()}
+    for name, path in texts.items():
+        edited = BOM_UTF8 + path.read_bytes().replace(b"\r\n", b"\n").replace(b"\n", b"\r\n")
+        assert outcome(case, modes, name, path, edited, tmp_path) == "the same", name
 
 
 def softness(field: str):

@@ -198,6 +198,21 @@ def test_step_file_in_any_unit(tmp_path):
         pf.fe.solid_body(pf.fe.step_mesh(file, size=100.0), STEEL)
 
 
+def test_marks_and_line_ends_of_editors_change_nothing(tmp_path):
+    """STEP files and meshes in UTF-8 with a byte order mark, and lines that end with CR LF."""
+    occ, meshio = pytest.importorskip("netgen.occ"), pytest.importorskip("meshio")
+    step, mesh = tmp_path / "block.step", tmp_path / "block.inp"
+    occ.Box((0, 0, 0), (400, 300, 20)).WriteStep(str(step))
+    made = pf.fe.step_mesh(step, size=0.1)
+    meshio.Mesh(made.nodes, {"tetra10": made.elements}).write(mesh)
+    for file in (step, mesh):
+        data = file.read_bytes().replace(b"\r\n", b"\n").replace(b"\n", b"\r\n")
+        file.write_bytes(b"\xef\xbb\xbf" + data)
+        found = pf.fe.mesh_from(file, "mm" if file is step else "m", 0.1 if file is step else None)
+        assert np.allclose(found.nodes, made.nodes)
+        assert np.array_equal(found.elements, made.elements)
+
+
 INCH = """#{0} = ( CONVERSION_BASED_UNIT('INCH',#9000) LENGTH_UNIT() NAMED_UNIT(#9001) );
 #9000 = LENGTH_MEASURE_WITH_UNIT(LENGTH_MEASURE(25.4),#9002);
 #9001 = DIMENSIONAL_EXPONENTS(1.,0.,0.,0.,0.,0.,0.);

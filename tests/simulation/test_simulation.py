@@ -1,6 +1,7 @@
 """Simulation and results: what is reached is kept, and says what it is."""
 
 import os
+import sys
 import threading
 
 import h5py
@@ -14,10 +15,12 @@ from scipy.spatial.transform import Rotation
 import parflex as pf
 from measures import relative
 from parflex.analysis.watch import Watch
+from parflex.app import paper
 from parflex.base.spatial import quaternion_rate
 from parflex.kernels import models as kernels
 from parflex.model.core import core_of
 from parflex.robot.layout import Layout, coordinates, pack
+from parflex.simulation.steppers import cyrk
 
 GOAL = np.array([0.055, -0.046, 0.124, -0.298, 0.244, 0.103])  # m, and a rotation vector, from home
 TIMES = np.linspace(0, 0.2, 21)
@@ -233,22 +236,22 @@ def test_what_lies_beyond_a_crossing_is_not_kept(model_of, backend):
     assert watch.look(x[:first]) == (first, "")
 
 
-class OnFullDisk(xr.Dataset):
-    """A dataset that finds no space."""
-
-    __slots__ = ()
-
-    def to_netcdf(self, *args, **kwargs):
-        raise OSError(28, "No space left on device")
-
-
-def test_full_disk_leaves_the_old_file(held, tmp_path):
-    path = held.save(tmp_path / "run.nc")
-    before = path.read_bytes()
-    with pytest.raises(pf.InputError, match="was not written: No space left on device; what was there"):
-        pf.Result(OnFullDisk, "").save(path)
-    assert path.read_bytes() == before
-    assert os.listdir(tmp_path) == ["run.nc"]
+def test_without_cyrk_scipy_takes_the_steps_and_it_is_said_once(monkeypatch):
+    """On machines for which CyRK has no package: the paper's run, with the same numbers."""
+    expected = paper.run(3).result.dataset
+    with monkeypatch.context() as hiding:
+        hiding.setitem(sys.modules, "CyRK.nb.numba_c_api", None)
+        for each in (cyrk.solver, cyrk.available):
+            each.cache_clear()
+        with pytest.warns(UserWarning, match="SciPy takes the steps of simulations") as said:
+            found, _ = (paper.run(modes).result for modes in (3, 0))
+    for each in (cyrk.solver, cyrk.available):
+        each.cache_clear()
+    assert len([each for each in said if "CyRK" in str(each.message)]) == 1
+    assert not found.partial
+    # both integrate to a relative 1e-7 a step
+    assert np.max(np.abs(found.dataset["position"] - expected["position"])) <= 1e-7
+    assert np.max(np.abs(found.dataset["elastic"] - expected["elastic"])) <= 1e-6
 
 
 def test_unwritable_folder_is_said(held, tmp_path):

@@ -155,9 +155,6 @@ def run() -> None:
     except InputError as error:
         complaints.print("[red]error[/]", escape(str(error)), soft_wrap=True)
         sys.exit(2)
-    except KeyboardInterrupt:
-        complaints.print("[yellow]interrupted[/] before there was a result to keep")
-        sys.exit(130)
     except OSError as error:
         complaints.print("[red]error[/]", escape(f"{error.filename or 'file'}: {error.strerror or error}"))
         sys.exit(2)

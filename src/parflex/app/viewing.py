@@ -74,7 +74,7 @@ def report(
     with waiting("writing the report"):
         text = report_of(result)
         with replacing(target) as part:
-            part.write_text(text, encoding="utf-8")
+            part.write(text.encode())
     console.print(f"wrote [bold]{escape(str(target))}[/] ({len(text) / 1e6:.1f} MB); it needs nothing else")
 
 

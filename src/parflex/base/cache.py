@@ -3,6 +3,10 @@
 import hashlib
 import io
 import os
+import stat
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,7 +15,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.base.writing import replacing
+from parflex.base.writing import replacing, sweep
 
 VARIABLE = "PARFLEX_CACHE"  # a folder to use instead of the user's; empty for none
 LIMIT = 500e6  # bytes; what was not used for longest goes first
@@ -26,36 +30,78 @@ class Entry(NamedTuple):
 
 
 def folder() -> Path | None:
-    """The folder that entries are kept in; None where there is no place for one."""
+    """The folder that entries are kept in; None where there is no place for one.
+
+    A path that is not absolute would be another in each folder that the user works in, some of them not his.
+    """
     chosen = os.environ.get(VARIABLE)
     if chosen is not None:
-        return Path(chosen) if chosen else None
-    base = os.environ.get("XDG_CACHE_HOME") or os.environ.get("LOCALAPPDATA")
+        if chosen and not os.path.isabs(chosen):
+            warnings.warn(f"{VARIABLE} is {chosen!r}; give an absolute path: no code is kept", stacklevel=2)
+        return Path(chosen) if os.path.isabs(chosen) else None
+    bases = (os.environ.get(name, "") for name in ("XDG_CACHE_HOME", "LOCALAPPDATA"))
     try:
+        base = next(filter(os.path.isabs, bases), None)
         return Path(base or Path.home() / ".cache") / "parflex"
     except RuntimeError:
         return None
 
 
 def load(key: str) -> Entry | None:
-    """The entry of that key; None where there is none that is the user's own and intact."""
+    """The entry of that key; None where there is none that is the user's own and intact.
+
+    What is checked is what is read: folder and file are opened, and judged by their descriptors.
+    """
     place = folder()
     if place is None:
         return None
+    name = f"{key}.bin"
     try:
-        path = place / f"{key}.bin"
-        if hasattr(os, "getuid") and path.stat().st_uid != os.getuid():
-            return None
-        data = path.read_bytes()
-        os.utime(path)
+        if not CHECKED:
+            data = (place / name).read_bytes()
+            os.utime(place / name)
+        else:
+            with own(place, os.O_DIRECTORY) as held, own(name, os.O_NONBLOCK, held) as file:
+                with open(file, "rb", closefd=False) as stream:
+                    data = stream.read()
+                os.utime(file)
     except OSError:
         return None
-    if hashlib.sha256(data[32:]).digest() != data[:32]:
+    return entry_of(key, data)
+
+
+CHECKED = hasattr(os, "getuid")  # on Windows the folder is the user's by itself
+
+
+@contextmanager
+def own(path: Path | str, flags: int, folder: int | None = None) -> Iterator[int]:
+    """The descriptor of a file, no link, that is the user's own and that nobody else can write.
+
+    Raises OSError for any other.
+    """
+    handle = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_CLOEXEC | flags, dir_fd=folder)
+    try:
+        found = os.fstat(handle)
+        if found.st_uid != os.getuid() or found.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
+            raise PermissionError(f"{path} is another user's, or others can write to it")
+        yield handle
+    finally:
+        os.close(handle)
+
+
+def entry_of(key: str, data: bytes) -> Entry | None:
+    """The entry in the bytes of a file; None where they are of another key, or damaged."""
+    if sealed(key, data[32:]) != data:
         return None
     with np.load(io.BytesIO(data[32:])) as held:
         count = int(held["inputs"])
         arrays = [held[f"a{i}"] for i in range(len(held.files) - 2)]
         return Entry(held["code"].tobytes(), arrays[:count], arrays[count:])
+
+
+def sealed(key: str, data: bytes) -> bytes:
+    """The data behind a digest of them and of their key."""
+    return hashlib.sha256(key.encode() + data).digest() + data
 
 
 def save(key: str, entry: Entry) -> None:
@@ -67,17 +113,38 @@ def save(key: str, entry: Entry) -> None:
     held |= {"code": np.frombuffer(entry.code, dtype=np.uint8), "inputs": len(entry.inputs)}
     stream = io.BytesIO()
     np.savez(stream, **held)
-    data = stream.getvalue()
     try:
+        made(place)
         with replacing(place / f"{key}.bin") as part:
-            part.write_bytes(hashlib.sha256(data).digest() + data)
+            part.write(sealed(key, stream.getvalue()))
         trim(place)
     except (InputError, OSError):  # no place, or another process at the same work
         return
 
 
+def made(place: Path) -> None:
+    """Make the folder, for the user alone; one that others can write to is said not to be used.
+
+    Raises OSError where there is no such folder then.
+    """
+    place.parent.mkdir(parents=True, exist_ok=True)
+    place.mkdir(mode=0o700, exist_ok=True)
+    if not CHECKED:
+        return
+    try:
+        with own(place, os.O_DIRECTORY):
+            return
+    except OSError as error:
+        warnings.warn(
+            f"{error}: no code is kept there; chmod 700 {place}, or name a folder of your own by {VARIABLE}",
+            stacklevel=2,
+        )
+        raise
+
+
 def trim(place: Path) -> None:
-    """Remove the entries that were not used for longest, down to the limit."""
+    """Remove what processes that were killed left, and the entries not used for longest, to the limit."""
+    sweep(place)
     known = [(path.stat(), path) for path in place.glob("*.bin")]
     excess = sum(found.st_size for found, _ in known) - LIMIT
     for found, path in sorted(known, key=lambda item: item[0].st_mtime):

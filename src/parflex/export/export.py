@@ -120,5 +120,6 @@ def write(folder: Path, found: dict[str, str]) -> tuple[Path, ...]:
     with ExitStack() as stack:
         parts = [stack.enter_context(replacing(path)) for path in paths]
         for part, text in zip(parts, found.values(), strict=True):
-            part.write_text(text, encoding="utf-8", newline="\n")
+            part.write(text.encode())
+            part.flush()
     return paths

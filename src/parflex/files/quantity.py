@@ -10,6 +10,10 @@ from parflex.base.kinds import ANGLE, FREQUENCY, Kind
 
 WITH_UNIT = re.compile(r"\s*([-+]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*((?:1\s*/|[^\d\s]).*?)\s*")
 
+LONGEST = 100  # characters of a number with its unit
+# powers of names alone, by whole numbers alone: others can be computed for ever
+POWER = re.compile(r"(\w?)\s*(?:\*\*|\^)\s*([-+]?\d{1,2}(?![\w.]|\s*(?:\*\*|\^)))?")
+
 # pint takes all of these, and percent, for plain numbers; an angle must be named
 ANGLES = {"radian", "milliradian", "degree", "arcminute", "arcsecond", "turn"}
 CYCLES = {"hertz", "millihertz", "kilohertz"}  # and these for 1/s
@@ -31,16 +35,20 @@ def convert(value: Any, kind: Kind) -> float:
         return with_unit(value, kind)
     if isinstance(value, bool) or not isinstance(value, (int, float)):
         raise InputError(f"is {shown(value)}; expected {kind.expected}")
-    if not math.isfinite(value):
-        raise InputError(f"is {value}; expected {kind.words} that is finite")
-    return float(value)
+    try:
+        number = float(value)
+    except OverflowError:
+        raise InputError(f"is {shown(value)}, too large a number; expected {kind.expected}") from None
+    if not math.isfinite(number):
+        raise InputError(f"is {number}; expected {kind.words} that is finite")
+    return number
 
 
 def with_unit(text: str, kind: Kind) -> float:
     """The SI value of '300 mm'."""
-    parts = WITH_UNIT.fullmatch(text)
+    parts = WITH_UNIT.fullmatch(text) if len(text) <= LONGEST else None
     if parts is None:
-        raise InputError(f'is "{text}"; expected {kind.expected}')
+        raise InputError(f"is {shown(text)}; expected {kind.expected}")
     number, unit = parts.groups()
     return convert(float(number) * factor(text, unit, kind), kind)
 
@@ -48,6 +56,8 @@ def with_unit(text: str, kind: Kind) -> float:
 def factor(text: str, unit: str, kind: Kind) -> float:
     """The number of SI units of the kind that one `unit` is."""
     units = unit_registry()
+    if not all(base.isalpha() and power for base, power in POWER.findall(unit)):
+        raise InputError(f'is "{text}"; exponents of units are whole numbers, like m^2 or s**-2')
     try:
         given = units.Quantity(1.0, units.parse_units(unit))
     except Exception:  # the parser raises many kinds
@@ -59,7 +69,10 @@ def factor(text: str, unit: str, kind: Kind) -> float:
     named = {ANGLE: ANGLES, FREQUENCY: CYCLES}.get(kind, names)
     if not same or not names <= named:
         raise InputError(f'is "{text}", which is not {kind.words}; expected {kind.expected}')
-    return float(given.to(kind.unit).magnitude)
+    try:
+        return float(given.to(kind.unit).magnitude)
+    except OverflowError:
+        return math.inf
 
 
 @cache
@@ -74,5 +87,8 @@ def shown(value: Any) -> str:
     """A value as its file has it, shortened."""
     if isinstance(value, bool):
         return "true" if value else "false"
-    text = f'"{value}"' if isinstance(value, str) else repr(value)
+    try:
+        text = f'"{value}"' if isinstance(value, str) else repr(value)
+    except (ValueError, RecursionError):  # a whole number of thousands of digits
+        return "a value too long to be shown"
     return text if len(text) <= 60 else text[:57] + "..."

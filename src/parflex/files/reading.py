@@ -4,22 +4,27 @@ import os
 import re
 import tomllib
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import ParamSpec, TypeVar, cast
 
+import numpy as np
 from pydantic import ValidationError
 
 from parflex.base.absent import absent
 from parflex.base.errors import ImplausibleValue, InputError
 from parflex.base.plausible import listening
-from parflex.files.lines import Where, line_of, reached
-from parflex.files.sentences import field_name, sentences
+from parflex.files.document import Order, too_deep, unfit
+from parflex.files.lines import Where, lines_of, reached
+from parflex.files.sentences import field_name, sentence, told_once
 from parflex.files.tables import Table
 from parflex.robot.fields import described
 from parflex.robot.leg import Joint
 
 MOST = 5  # complaints at once
+LARGEST = 4_000_000  # bytes
+LONGEST = 600  # characters of a complaint
+LONG = re.compile(r"\d[\d_]{4000}")
 FIELD = re.compile(r"(?:[A-Z]\w*\.)?(\w+(?:\.\w+)*)")  # 'Leg.rotation is …' is about the field rotation
 IN_FILES = {name: column.file for name, column in described(Joint).items() if column.file}
 IN_FILES |= {"polygon": "corners", "n_modes": "modes", "inertia_at_com": "inertia"}  # other arguments
@@ -37,35 +42,55 @@ class Reader:
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
-        self._complaints: list[tuple[int, str]] = []
-        self._doubts: list[tuple[int, str]] = []
+        self._complaints: set[tuple[Where, str]] = set()  # places, and sentences about them
+        self._doubts: set[tuple[Where, str]] = set()
+        self._cause: Exception | None = None  # of a complaint that nobody thought of
         self.text = file_text(self.path)
+        deep = too_deep(self.text)
+        if deep:
+            raise self._at(deep, "this is nested deeper than any field needs; is a bracket not closed?")
         try:
             self._document = tomllib.loads(self.text)
         except tomllib.TOMLDecodeError as error:
-            line = syntax_line(error, self.text)
-            self._complaints.append(self._at(line, f"not TOML: {syntax_words(error)}"))
-            raise self._told() from None
+            words = f"not TOML: {syntax_words(error)}"
+            raise self._at(syntax_line(error, self.text), words) from None
+        except (ValueError, RecursionError):  # what Python does not read as a number
+            before = LONG.split(self.text, maxsplit=1)[0]
+            raise self._at(
+                before.count("\n") + 1, "a number has thousands of digits; write it like 1.5e20"
+            ) from None
+        self._order = Order(self._document)
+        for where, words in unfit(self._document):
+            self._complaints.add((where, f"{field_name(where)} {words}"))
+        self.stop()
 
     def table(self, kind: type[T]) -> T:
         """The whole file as tables; raises InputError with all that does not fit."""
         try:
             return kind.model_validate(self._document)
         except ValidationError as error:
-            for where, words in sentences(error.errors(), self._document, kind.model_json_schema()):
-                self._complaints.append(self._line(where, words))
-            raise self._told() from None
+            schema = kind.model_json_schema()
+            errors = told_once(error.errors(include_url=False), schema)
+            errors.sort(key=lambda found: self._order.of(found["loc"]))
+            told = [sentence(found, self._document, schema) for found in errors[:MOST]]
+            self._complaints.update(told)
+            raise self._told(len(errors) - len(told)) from None
 
     def attempt(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R | None:
-        """The result of `build`; where it raises InputError, None, and one complaint more."""
+        """The result of `build`; where it raises an error, None, and one complaint more."""
         with listening() as doubts:
             try:
-                return build(*args, **kwargs)
+                with np.errstate(over="raise", divide="raise", invalid="raise"):
+                    return build(*args, **kwargs)
             except InputError as error:
-                self._complaints.append(self._located(where, str(error)))
-                return None
+                self._complaints.add(self._located(where, str(error)))
+            except Exception as error:  # whatever numbers that nobody thought of lead to
+                self._cause = error
+                words = f"nothing can be made of this ({brief(error)}); check numbers and units"
+                self._complaints.add((reached(self._document, where), f"{field_name(where)}: {words}"))
             finally:
-                self._doubts += [self._located(where, words) for words in doubts]
+                self._doubts |= {self._located(where, words) for words in doubts}
+        return None
 
     def must(self, where: Where, build: Callable[P, R], /, *args: P.args, **kwargs: P.kwargs) -> R:
         """The same as `attempt`, but a complaint is raised at once."""
@@ -76,48 +101,70 @@ class Reader:
     def stop(self) -> None:
         """Raise InputError if there are complaints."""
         if self._complaints:
-            raise self._told() from None
+            raise self._told() from self._cause
 
     def warn(self) -> None:
         """Warn of the doubts about what was built, by line, each once."""
-        for _, words in sorted(set(self._doubts)):
+        for words in self._lines(self._doubts):
             warnings.warn(words, ImplausibleValue, stacklevel=4)
         self._doubts.clear()
 
-    def _located(self, where: Where, words: str) -> tuple[int, str]:
-        """The line and the sentence of what is said at `where`, or of the field there that it begins with."""
+    def _located(self, where: Where, words: str) -> tuple[Where, str]:
+        """The place and the sentence of what is said at `where`, or of the field that it begins with."""
         field = FIELD.match(words)
         steps = [IN_FILES.get(step, step) for step in field[1].split(".")] if field else []
         place = reached(self._document, (*where, *steps))
         if field and steps and len(place) == len(where) + len(steps):
-            return self._line(place, field_name(place) + words[field.end() :])
+            return place, field_name(place) + words[field.end() :]
         said = words[field.start(1) :] if field else words
-        return self._line(place, f"{field_name(where)}: {said}")
+        return place, f"{field_name(where)}: {said}"
 
-    def _told(self) -> InputError:
-        """The complaints, by line, as one error."""
-        told = [words for _, words in sorted(set(self._complaints))]
-        rest = [f"… and {len(told) - MOST} more"] if len(told) > MOST else []
-        return InputError("\n".join(told[:MOST] + rest))
+    def _told(self, more: int = 0) -> InputError:
+        """The first complaints by line, which alone are located, and the number of others, as an error."""
+        told = self._lines(self._complaints, MOST)
+        more += len(self._complaints) - len(told)
+        return InputError("\n".join([*told, *[f"… and {more} more"] * (more > 0)]))
 
-    def _line(self, where: Where, words: str) -> tuple[int, str]:
-        """A line, and the sentence that names file and line."""
-        return self._at(line_of(self.text, where), words)
+    def _lines(self, told: Iterable[tuple[Where, str]], most: int | None = None) -> list[str]:
+        """The first sentences, in the order of the file, each with file and line; only these are located."""
+        known = sorted(told, key=lambda each: (self._order.of(each[0]), each[1]))[:most]
+        lines = lines_of(self.text, [where for where, _ in known])
+        return [str(self._at(line, words)) for line, (_, words) in zip(lines, known, strict=True)]
 
-    def _at(self, line: int, words: str) -> tuple[int, str]:
-        return line, f"{self.path.name}:{line}: {words}"
+    def _at(self, line: int, words: str) -> InputError:
+        return InputError(f"{self.path.name}:{line}: {printable(words)}")
+
+
+def printable(words: str) -> str:
+    """The words on one line, for a terminal to show and not to obey; of very many the first and the last."""
+    if len(words) > LONGEST:
+        words = f"{words[: LONGEST // 2]} … {words[-LONGEST // 2 :]}"
+    return "".join(each if each.isprintable() else f"\\u{ord(each):04x}" for each in words)
+
+
+def brief(error: Exception) -> str:
+    """The kind and the first line of an error."""
+    words = str(error).strip().splitlines()
+    return f"{type(error).__name__}: {words[0][:200]}" if words else type(error).__name__
 
 
 def file_text(path: Path) -> str:
-    """The text of a file; raises InputError where there is none."""
+    """The text of a file, without a byte order mark, lines ending with LF; raises InputError where there is
+    none."""
     try:
-        return path.read_text(encoding="utf-8").replace("\r\n", "\n")
+        with path.open("rb") as file:
+            data = file.read(LARGEST + 1)
+        if len(data) > LARGEST:
+            raise InputError(f"{path} is larger than {LARGEST // 1_000_000} MB; no file of this kind is")
+        return re.sub("\r+\n", "\n", data.decode("utf-8-sig"))  # converted more than once, by mail
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except UnicodeDecodeError:
         raise InputError(f"{path} is no text in UTF-8; a TOML file is") from None
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}") from None
+    except InputError:
+        raise
+    except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+        raise InputError(f"{path} cannot be read: {getattr(error, 'strerror', error)}") from None
 
 
 AT = re.compile(r" \(at line (\d+), column \d+\)| \(at end of document\)")

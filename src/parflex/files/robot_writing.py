@@ -33,7 +33,7 @@ def save_robot(robot: Robot, path: str | os.PathLike[str]) -> Path:
     target = Path(path)
     text = robot_text(robot, platform_entries(robot.platform, target))
     with replacing(target) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write(text.encode())
     return target
 
 

@@ -10,20 +10,25 @@ from parflex.files.quantity import shown
 Schema = dict[str, Any]
 
 
-def sentences(errors: Sequence[Any], document: Any, schema: Schema) -> list[tuple[Where, str]]:
-    """The place and the sentence of each of pydantic's errors; the document should fit the schema.
+MOST_UNKNOWN = 100  # keys that are looked at for misspelt names
+
+
+def told_once(errors: Sequence[Any], schema: Schema) -> list[Any]:
+    """The errors of pydantic's that are worth telling.
 
     A field that is missing because its name is misspelt is not told twice, and a file of another
     format is told as that alone.
     """
     errors = [found for found in errors if found["loc"] == ("format",)] or errors
-    unknown = [found["loc"] for found in errors if found["type"] == "extra_forbidden"]
-    meant = [(*where[:-1], likely(where, schema)) for where in unknown]
-    return [
-        (place(found, schema), sentence(found, document, schema))
-        for found in errors
-        if found["type"] != "missing" or found["loc"] not in meant
-    ]
+    lacking = {found["loc"] for found in errors if found["type"] == "missing"}
+    unknown = [found["loc"] for found in errors if found["type"] == "extra_forbidden"] if lacking else []
+    meant = {(*where[:-1], likely(where, schema)) for where in unknown[:MOST_UNKNOWN]}
+    return [found for found in errors if found["loc"] not in meant & lacking]
+
+
+def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> tuple[Where, str]:
+    """The place in a document and the sentence of one of pydantic's errors."""
+    return reached(document, place(found, schema)), words_of(found, document, schema)
 
 
 def place(found: Mapping[str, Any], schema: Schema) -> Where:
@@ -34,7 +39,7 @@ def place(found: Mapping[str, Any], schema: Schema) -> Where:
     return (*where, resolved(node_at(schema, where, schema), schema)["discriminator"]["propertyName"])
 
 
-def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
+def words_of(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
     """One error of pydantic's in words."""
     where, kind, value = found["loc"], found["type"], found["input"]
     field = field_name(reached(document, where))
@@ -52,7 +57,9 @@ def sentence(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
     if kind in ("too_short", "too_long"):
         wanted = f"at least {context['min_length']}" if kind == "too_short" else f"{context['max_length']}"
         return f"{field} has {context['actual_length']} entries; give {wanted}"
-    words = str(found["msg"]).replace("Input should be", "expected").replace("a valid ", "a ")
+    words = (
+        str(found["msg"]).replace("Input should be", "expected").replace("a valid integer", "a whole number")
+    )
     return f"{field} is {shown(value)}; {words.replace('a dictionary', 'a table')}"
 
 

@@ -10,7 +10,7 @@ from pydantic_core import core_schema
 
 from parflex.base import kinds
 from parflex.base.array import Array, without_roundoff
-from parflex.base.check import NOT_NEGATIVE, Rule
+from parflex.base.check import NOT_NEGATIVE, Rule, single_rotation
 from parflex.base.errors import InputError
 from parflex.base.kinds import Kind
 from parflex.base.spatial import rotation_from_vector
@@ -81,11 +81,12 @@ Inertia = Annotated[Annotated[Six, Tag("list")] | Annotated[Seconds3x3, Tag("mat
 def rotation_of(given: Sequence[Any]) -> Array:
     """R (3, 3) of a rotation vector (3,) rad, or of the matrix itself.
 
-    Raises InputError for a vector of more than a full turn, which is one in degrees.
+    Raises InputError for a matrix that is none of a rotation, and for a vector of more than a full turn,
+    which is one in degrees.
     """
     array = np.asarray(given, dtype=float)
     if array.ndim == 2:
-        return array
+        return single_rotation("rotation", array)
     if np.linalg.norm(array) > 2 * np.pi + 1e-9:
         raise InputError(f'rotation is {given} rad, more than a full turn; write degrees as "30 deg"')
     return without_roundoff(rotation_from_vector(array), 1.0, 1e-15)

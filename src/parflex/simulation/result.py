@@ -15,6 +15,13 @@ from parflex.base.writing import replacing
 from parflex.robot.state import State
 
 FORMAT = "parflex-result-1"
+STATE = {  # the variables of states, and their dimensions beside time
+    "position": ("axis",),
+    "rotation": ("axis", "platform_axis"),
+    "twist": ("component",),
+    "elastic": ("mode",),
+    "elastic_rate": ("mode",),
+}
 
 
 class Result:
@@ -42,8 +49,7 @@ class Result:
     def state(self, index: int) -> State:
         """The state at an output time, with the legs' joints."""
         at = self.dataset.isel(time=index)
-        names = ("position", "rotation", "twist", "elastic", "elastic_rate")
-        arrays: dict[str, Any] = {name: at[name].values for name in names}
+        arrays: dict[str, Any] = {name: at[name].values for name in STATE}
         for name in ("joint", "joint_rate"):
             if name in at:
                 arrays[f"{name}s"] = tuple(row[np.isfinite(row)] for row in at[name].values)
@@ -55,8 +61,9 @@ class Result:
         Raises InputError where the file cannot be written.
         """
         target = Path(path)
+        data = self.dataset.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
         with replacing(target) as part:
-            self.dataset.to_netcdf(part, engine="h5netcdf")
+            part.write(data)
         return target
 
 
@@ -86,4 +93,14 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             f"{path} is no result of this version of parflex (format "
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
         )
+    unfit = [name for name in STATE if not is_state(dataset, name)]
+    if unfit or "stopped" not in dataset.attrs:
+        lost = ", ".join(unfit) or "the word how the run ended"
+        raise InputError(f"{path} is damaged: {lost} is not as it was saved; run it again")
     return Result(lambda: dataset, str(dataset.attrs["stopped"]))
+
+
+def is_state(data: xr.Dataset, name: str) -> bool:
+    """True where a variable is numbers over time, as a state has them."""
+    found = data.get(name)
+    return found is not None and found.dtype.kind in "iuf" and found.dims == ("time", *STATE[name])

@@ -42,4 +42,4 @@ def filled(text: str, start: Start) -> str:
 def write(path: Path, text: str) -> None:
     """Write a text file whole or not at all."""
     with replacing(path) as part:
-        part.write_text(text, encoding="utf-8")
+        part.write(text.encode())

@@ -1,8 +1,10 @@
 """Files of other programs: read whole, or refused in one sentence that says what is wrong with them."""
 
+from codecs import BOM_UTF8
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 
@@ -21,11 +23,33 @@ def briefly(error: Exception) -> str:
 
 
 def read(kind: str, path: Path) -> bytes:
-    """The contents of a file; raises InputError where it cannot be read."""
+    """The contents of a file, without the byte order mark that some editors put before UTF-8.
+
+    Raises InputError where it cannot be read.
+    """
     try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{kind} {path} cannot be read: {error.strerror or error}") from None
+        return path.read_bytes().removeprefix(BOM_UTF8)
+    except (OSError, ValueError) as error:  # ValueError: a name with a NUL
+        raise InputError(f"{kind} {path} cannot be read: {getattr(error, 'strerror', error)}") from None
+
+
+@contextmanager
+def unmarked(path: Path) -> Iterator[Path]:
+    """A file for readers that open it themselves: a copy of it where it begins with a byte order mark."""
+    data = path.read_bytes()
+    if not data.startswith(BOM_UTF8):
+        yield path
+        return
+    with TemporaryDirectory() as folder:
+        copy = Path(folder) / path.name
+        copy.write_bytes(data.removeprefix(BOM_UTF8))
+        yield copy
+
+
+def encoding_of(path: Path) -> str:
+    """The encoding of a text file: UTF-8 where a byte order mark says so, else one that takes all bytes."""
+    with path.open("rb") as file:
+        return "utf-8-sig" if file.read(3) == BOM_UTF8 else "latin-1"
 
 
 def lines_of(kind: str, path: Path) -> list[str]:

@@ -34,6 +34,7 @@ from parflex.robot.materials import chosen
 from parflex.robot.moments import Moments, shifted
 
 DEFAULT_REFINE = 2
+MOST = 30_000  # unknowns
 UNRESOLVED = 0.05  # change of a frequency from the coarser mesh that is worth a warning
 
 
@@ -93,11 +94,29 @@ def fine_enough(corners: int, n: int, refine: int | None) -> int:
     Raises InputError where the one asked for has not so many unknowns.
     """
     if refine is None:
-        refine = next(r for r in range(DEFAULT_REFINE, 9) if unknowns(corners, r) > 12 * n)
+        carrying = (r for r in range(DEFAULT_REFINE, 9) if unknowns(corners, r) > 12 * n)
+        refine = next(carrying, None)
+        if refine is None or unknowns(corners, refine) > MOST:
+            raise InputError(
+                f"n_modes is {n}; a mode takes 12 unknowns to be right, and the finest mesh has {MOST}: give "
+                f"{MOST // 48} or fewer, of which robots need some tens at most"
+            )
+    bearable(corners, refine)
     if n + 6 > unknowns(corners, integer("refine", refine, 1)):
         raise InputError(
             f"n_modes is {n}, more than {unknowns(corners, refine)} unknowns can carry; "
             f"raise refine above {refine}"
+        )
+    return refine
+
+
+def bearable(corners: int, refine: int) -> int:
+    """The refinement; raises InputError where its matrices take hours, or more memory than there is."""
+    if integer("refine", refine) > 8 or unknowns(corners, refine) > MOST:
+        best = next(r for r in range(7, -1, -1) if r == 0 or unknowns(corners, r) <= MOST)
+        raise InputError(
+            f"refine is {refine}, which makes more than {MOST} unknowns: hours of work, for errors far below "
+            f"those of thin-plate theory; give {best} or less"
         )
     return refine
 
@@ -120,7 +139,7 @@ def plate_body(
     Raises InputError as that does.
     """
     plate = described(polygon, thickness, chosen(material, young, poisson, density), points, tool)
-    return free_plate(plate, integer("refine", refine))
+    return free_plate(plate, bearable(len(plate.corners), refine))
 
 
 class Plate(NamedTuple):

@@ -8,6 +8,7 @@ import numpy as np
 
 from parflex.base.errors import InputError
 from parflex.base.extra import extra
+from parflex.fe.imports.foreign import unmarked
 from parflex.fe.solid.mesh import SolidMesh, solid_mesh
 from parflex.fe.units import length_unit
 
@@ -46,7 +47,8 @@ def meshio_mesh(file: Path) -> Any:
     """meshio's mesh. Raises InputError where it cannot be read."""
     meshio = extra("meshio", "meshio is not installed, which reads meshes; pip install 'parflex[solids]'")
     try:
-        return meshio.read(file)
+        with unmarked(file) as plain:
+            return meshio.read(plain)
     except (Exception, SystemExit) as error:  # meshio raises many kinds, and exits on unknown formats
         words = str(error).strip().splitlines()
         reason = words[0] if words else "unknown format"

@@ -16,6 +16,7 @@ from parflex.base.errors import InputError
 from parflex.base.extra import extra
 from parflex.base.progress import waiting
 from parflex.fe.body.keep import kept
+from parflex.fe.imports.foreign import unmarked
 from parflex.fe.plate.polygon import simple_polygon
 from parflex.fe.plate.proportions import check_flat, check_proportions
 from parflex.fe.solid.mesh import EDGES, MIRRORED, Folded, SolidMesh, solid_mesh
@@ -23,6 +24,7 @@ from parflex.fe.units import length_unit, unit_of_step
 
 BLOCK = 3.0  # of the outline's size: thickness beyond which a block is likely in another unit
 LEAST, UNKNOWNS, UTMOST = 29_000, 32_500, 35_000  # unknowns of a mesh whose size is not given
+MOST = 150_000  # cubes of the size of an element in a solid; each holds seven tetrahedra or so
 TRIES, FINER = 8, 0.7
 # Netgen's middles, as (0, 1) (0, 2) (0, 3) (1, 2) (1, 3) (2, 3), in our order
 NETGEN_EDGES = [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)]
@@ -121,7 +123,8 @@ def step_mesh(
     if named is None:
         raise InputError(f"{file} names no unit of length; it is no STEP file, or a damaged one")
     try:
-        shape = occ.OCCGeometry(str(file)).shape
+        with unmarked(file) as plain:
+            shape = occ.OCCGeometry(str(plain)).shape
     except Exception as error:  # Netgen's own kind
         raise InputError(f"{file} is damaged or no STEP file: {str(error).splitlines()[0]}") from None
     if not shape.solids:
@@ -192,7 +195,13 @@ def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | Non
 def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> SolidMesh:
     """The mesh of a size, or of the number of unknowns that is wanted."""
     if size is not None:
-        return tetrahedra(shape, positive("size", size), near, fine)
+        least = (shape.mass / MOST) ** (1 / 3)
+        if positive("size", size) < least:
+            raise InputError(
+                f"size is {size} m, so small that the solid falls into more than a million elements, which "
+                f"no workstation solves; give {least:.2g} m or more"
+            )
+        return tetrahedra(shape, size, near, fine)
     trial, power = float(np.prod(np.ptp(bounds(shape), axis=0)) ** (1 / 3)) / 4, 0.45
     best: SolidMesh | None = None
     for tried in range(TRIES):

@@ -57,7 +57,7 @@ def write_fields(
             files.append(file)
             bar.to(number + 1)
     with replacing(target) as part:
-        part.write_text(collection([float(clock[row]) for row in rows], files), encoding="utf-8")
+        part.write(collection([float(clock[row]) for row in rows], files).encode())
     return [target, *files]
 
 
@@ -84,7 +84,7 @@ def write_vtu(modes: Modes, fields: Fields, file: Path) -> None:
         mesh.nodes, {"tetra10": mesh.elements}, point_data=data, cell_data={"part": [mesh.parts]}
     )
     with replacing(file) as part:
-        whole.write(part, file_format="vtu")
+        whole.write(part.name, file_format="vtu")  # meshio opens files by name
 
 
 def collection(times: list[float], files: list[Path]) -> str:

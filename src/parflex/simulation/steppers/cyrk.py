@@ -1,5 +1,6 @@
 """CyRK's integrators by their interface for other languages: plain C functions, found by their addresses."""
 
+import warnings
 from ctypes import CFUNCTYPE, POINTER, c_bool, c_double, c_int32, c_size_t, c_void_p
 from functools import cache
 from typing import Any
@@ -77,3 +78,15 @@ def solver() -> Solver:
     import CyRK.nb.numba_c_api as api
 
     return Solver(api)
+
+
+@cache
+def available() -> bool:
+    """True where the interface is there; where it is not, that is said once."""
+    try:
+        solver()
+    except (ImportError, OSError):  # not installed, or not for this processor
+        words = "CyRK is not installed, or not for this machine: SciPy takes the steps of simulations"
+        warnings.warn(f"{words}, with the same results but slower", stacklevel=2)
+        return False
+    return True

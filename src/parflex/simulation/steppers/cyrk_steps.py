@@ -13,7 +13,7 @@ from parflex.compiled.native.driver import right_hand_side, words_of
 from parflex.compiled.native.native import NativeFunction, addresses
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.law import Inputs, Outputs
-from parflex.simulation.steppers.cyrk import DONE, MORE, NUMBERS, solver
+from parflex.simulation.steppers.cyrk import DONE, MORE, NUMBERS, available, solver
 from parflex.simulation.steppers.stepper import Stepper, Stuck
 
 CHUNK = 100  # steps between two returns to Python, where Ctrl-C, progress and singularities are looked at
@@ -107,8 +107,6 @@ def cyrk_steps(
         more, function = list(function.given.values()), function.function
     if not law.alone or not isinstance(function, NativeFunction):
         return None
-    try:
-        solver()
-    except (ImportError, OSError):  # not installed, or not for this processor
+    if not available():
         return None
     return CyrkSteps(law, function, more, method, t, y, tolerances)

@@ -21,7 +21,7 @@ from parflex.simulation.variables.energy import LEDGER, RESIDUAL
 from parflex.views import plot
 from parflex.views.report.checks import checks_of
 from parflex.views.sketch import instant_of_largest_bend, sketch_of
-from parflex.views.viewer.opening import Opened, opened
+from parflex.views.viewer.opening import Opened, opened, showing
 from parflex.views.viewer.scene import finite_part
 
 SETTINGS = {
@@ -48,9 +48,9 @@ def report_of(path: str | os.PathLike[str]) -> str:
     if not result.dataset.sizes.get("time"):
         raise InputError(f"{source} holds no run: it has no instants; give the result of a simulation")
     template = resources.files(__package__).joinpath("report.html").read_text(encoding="utf-8")
-    return (
-        Environment(autoescape=True, trim_blocks=True).from_string(template).render(contents(result, source))
-    )
+    page = Environment(autoescape=True, trim_blocks=True).from_string(template)
+    with showing(source):
+        return page.render(contents(result, source))
 
 
 def contents(result: Opened, source: Path) -> dict[str, Any]:

@@ -1,6 +1,8 @@
 """A result as far as it can be read, and what is missing from it, in words."""
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import NamedTuple
 
@@ -47,6 +49,21 @@ def opened(path: Path) -> Opened:
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"{path} {damage(str(error) or type(error).__name__)}") from None
     return judged(loaded)
+
+
+@contextmanager
+def showing(path: Path) -> Iterator[None]:
+    """Turn the errors of drawing a result whose variables do not fit together into one of input."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        words = next(iter(str(error).splitlines()), "")
+        raise InputError(
+            f"{path} cannot be shown, its variables do not fit together: run the simulation again "
+            f"({type(error).__name__}: {words[:200]})"
+        ) from error
 
 
 def damage(words: str) -> str:

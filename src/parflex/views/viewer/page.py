@@ -18,7 +18,7 @@ from parflex.simulation.result import Result
 from parflex.simulation.summary import scope_of
 from parflex.views import plot
 from parflex.views.viewer.drawing import drawn
-from parflex.views.viewer.opening import Opened, judged, opened
+from parflex.views.viewer.opening import Opened, judged, opened, showing
 from parflex.views.viewer.scene import MOST_INSTANTS, Scene, scene_of
 from parflex.views.viewer.stress import with_stress
 
@@ -39,7 +39,7 @@ class View:
         """Write the page, whole or not at all; raises InputError where it cannot be written."""
         target = Path(path)
         with replacing(target) as part:
-            part.write_text(self.html, encoding="utf-8")
+            part.write(self.html.encode())
         return target
 
     def _repr_html_(self) -> str:
@@ -67,7 +67,8 @@ def view(
     name = "" if isinstance(result, Result) else Path(result).name
     if modes is not None:
         found = found._replace(dataset=with_stress(found.dataset, Path(modes)))
-    return View(page_of(found, name, curves))
+    with showing(Path(name or "the result")):
+        return View(page_of(found, name, curves))
 
 
 def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "", stamp: str = "") -> str:

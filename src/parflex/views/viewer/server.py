@@ -1,12 +1,14 @@
 """The live page: served on this machine, made anew when its file changes."""
 
+import sys
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from threading import Lock
+from typing import Any
 
 from parflex.base.errors import InputError
-from parflex.views.viewer.opening import Opened, opened
+from parflex.views.viewer.opening import Opened, opened, showing
 from parflex.views.viewer.page import page_of
 from parflex.views.viewer.stress import with_stress
 
@@ -49,7 +51,22 @@ class LivePage:
             if self._made is None:
                 raise
             result = Opened.nothing(str(error))
-        return page_of(result, self._path.name, self._curves, live=STAMP, stamp=stamp)
+        with showing(self._path):
+            return page_of(result, self._path.name, self._curves, live=STAMP, stamp=stamp)
+
+
+class LiveServer(ThreadingHTTPServer):
+    """A server that knows its names, so that no page of another site reads it under a name of its own, and
+    that does not mind readers who leave."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The values of the header Host that are this server's."""
+        return tuple(f"{name}:{self.server_port}" for name in ("127.0.0.1", "localhost"))
+
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        if not isinstance(sys.exception(), ConnectionError):
+            super().handle_error(request, client_address)
 
 
 def server_of(
@@ -63,6 +80,9 @@ def server_of(
 
     class Handler(BaseHTTPRequestHandler):
         def do_GET(self) -> None:
+            if self.headers.get("Host", "") not in self.server.names:  # type: ignore[attr-defined]
+                self.send_error(HTTPStatus.FORBIDDEN, "this server is called by other names")
+                return
             texts = {"/": ("text/html", page.text), STAMP: ("text/plain", page.stamp)}
             kind, make = texts.get(self.path, ("text/plain", None))
             body = make().encode() if make else b"not here"
@@ -77,7 +97,7 @@ def server_of(
             """Log nothing: the terminal is the user's."""
 
     try:
-        return ThreadingHTTPServer(("127.0.0.1", port), Handler)
+        return LiveServer(("127.0.0.1", port), Handler)
     except OSError as error:
         raise InputError(
             f"--port is {port}, which cannot be used: {error.strerror}; choose another"

@@ -9,7 +9,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.fe.imports.foreign import refusing
+from parflex.fe.imports.foreign import encoding_of, refusing
 from parflex.fe.imports.nastran.pyyeti import nastran
 from parflex.fe.imports.unit_systems import Units
 
@@ -58,9 +58,10 @@ class Bulk:
 def cards_of(path: Path) -> dict[str, list[Card]]:
     """All cards of a file and of those it includes, by name."""
     rdcards = nastran("bulk").rdcards
-    options = {"regex": True, "return_var": "list", "blank": "", "encoding": "latin-1"}
+    options = {"regex": True, "return_var": "list", "blank": ""}
     with refusing(f"bulk {path.name} cannot be read ({{}}); write it again", Exception):
         try:
+            options["encoding"] = encoding_of(path)
             first = rdcards(str(path), CARDS, keep_name=True, **options) or []
             names = {str(card[0]).rstrip("*").strip().upper() for card in first}
             # names and fields apart: with both, pyYeti 1.4 misplaces fields of continued free-format cards

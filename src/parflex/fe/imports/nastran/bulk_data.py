@@ -11,7 +11,7 @@ from parflex.base.errors import InputError
 from parflex.fe.body.elements import ELEMENTS, mass_matrix
 from parflex.fe.body.integrals import Sparse
 from parflex.fe.body.surface import surface
-from parflex.fe.imports.foreign import refusing
+from parflex.fe.imports.foreign import encoding_of, refusing
 from parflex.fe.imports.nastran.bulk_cards import Bulk, cards_of
 from parflex.fe.imports.nastran.bulk_masses import SHAPES, carried, elements
 from parflex.fe.imports.nastran.pyyeti import nastran
@@ -121,7 +121,7 @@ def grids(bulk: Bulk, path: Path) -> tuple[Array, Array, Array]:
         f"grids in basic coordinates ({{}})",
         Exception,
     ):
-        uset = nastran("bulk").bulk2uset(str(path), encoding="latin-1")[0]
+        uset = nastran("bulk").bulk2uset(str(path), encoding=encoding_of(path))[0]
         blocks = nastran("n2p").rbgeom_uset(uset).reshape(-1, 6, 6)
         places = uset.loc[(slice(None), 1), ["x", "y", "z"]].to_numpy(dtype=float)
         if blocks.shape[0] != len(ids) or places.shape != (len(ids), 3):
