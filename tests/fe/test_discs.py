@@ -31,7 +31,7 @@ def thin_frequencies(radius, thickness, count):
 
 
 def test_the_closed_form_is_that_of_the_tables():
-    """Leissa's four digits, to 0.2 %: Itao and Crandall (1979) found the table off by so much."""
+    """Leissa's four digits, to 0.2 %; the tests below compare with elasticity in three dimensions."""
     for (n, circles), printed in LEISSA.items():
         assert np.isclose(plate_roots(n, 0.33)[circles], printed, rtol=2e-3)
 
