@@ -200,3 +200,27 @@ def test_marks_and_line_ends_of_editors_change_nothing(texts, kind, tmp_path):
     path.write_bytes(b"\xef\xbb\xbf" + (text + "\n[nowhere]\n").replace("\n", "\r\n").encode())
     with pytest.raises(pf.InputError, match=f"file.toml:{text.count(chr(10)) + 2}: nowhere is not known"):
         read(path)
+
+
+STRETCHED, SHEARED, MIRRORED = (
+    "[[1, 0, 0], [0, 1, 0], [0, 0, 2]]",
+    "[[1, 0.1, 0], [0, 1, 0], [0, 0, 1]]",
+    "[[1, 0, 0], [0, 1, 0], [0, 0, -1]]",
+)
+
+
+@pytest.mark.parametrize("matrix", [STRETCHED, SHEARED, MIRRORED])
+@pytest.mark.parametrize("field", ["home", "leg[0]", "move[0]"])
+def test_matrices_that_are_no_rotations_are_refused_in_every_field(texts, field, matrix, tmp_path):
+    """Stretched, sheared, mirrored; at the field, with its line."""
+    path, given = tmp_path / "file.toml", f"rotation = {matrix}"
+    if field == "move[0]":
+        text, read = re.sub(r"(?m)^rotation = .*$", given, texts["trajectory"]), read_plan
+    else:
+        begin = "[home]\n" if field == "home" else "[[leg]]\n"
+        at = texts["rigid"].index(begin)
+        head, tail = texts["rigid"][:at], texts["rigid"][at:]
+        text, read = head + re.sub(r"(?m)^rotation = .*$", given, tail, count=1), pf.load_robot
+    path.write_text(text)
+    with pytest.raises(pf.InputError, match=rf"file.toml:\d+: {re.escape(field)}.rotation is not a rotation"):
+        read(path)
