@@ -58,11 +58,11 @@ def some() -> list[Kind]:
 
 
 def cases(first: list[Kind], *shapes: tuple[int, int]) -> list:
-    """Parameters (kind, legs, modes): the first kinds in one shape each, in turn; all in all are slow."""
+    """Parameters (kind, legs, modes): the first kinds in one shape each, in turn; all others are marked so."""
     chosen = dict(zip(first, cycle(shapes), strict=False))
     found = []
     for kind, shape in product(kinds(), shapes):
-        marks = () if chosen.get(kind) == shape else pytest.mark.slow
+        marks = () if chosen.get(kind) == shape else pytest.mark.every
         name = "{}, {} legs, {} modes".format(kind, *shape)
         found.append(pytest.param(kind, *shape, marks=marks, id=name))
     return found

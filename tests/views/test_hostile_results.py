@@ -15,7 +15,7 @@ import xarray as xr
 import parflex as pf
 from hostile import other_dataset
 from parflex.app import paper
-from parflex.files.platform_tables import load_body
+from parflex.fe.modal_file import load_body
 from parflex.views.report import report_of
 from spoil import spoilt
 
