@@ -58,7 +58,7 @@ def some() -> list[Kind]:
 
 
 def cases(first: list[Kind], *shapes: tuple[int, int]) -> list:
-    """Parameters (kind, legs, modes): the first kinds in one shape each, in turn; all others are marked so."""
+    """Parameters (kind, legs, modes): the first kinds in one shape each, in turn, and all others, marked."""
     chosen = dict(zip(first, cycle(shapes), strict=False))
     found = []
     for kind, shape in product(kinds(), shapes):

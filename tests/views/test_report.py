@@ -89,7 +89,15 @@ def test_forces_beyond_what_a_rigid_platform_needs_have_failed(run):
 
 def test_checks_are_each_spoiled_once(run):
     told = [check.what for check in checks_of(run.dataset)]
-    assert sorted(told) == sorted([*SPOILED, "the run came to its end"])
+    assert sorted(told) == sorted([*SPOILED, "the run came to its end", "strokes and joint limits are kept"])
+
+
+def test_a_stroke_that_is_exceeded_has_failed(run):
+    data = run.dataset.copy()
+    data.attrs["beyond_limits"] = "leg 1, joint 3 was at 0.6 m … 0.8 m, beyond its limits 0.7 m … 1.6 m"
+    [failed] = [check for check in checks_of(data) if not check.passed]
+    assert failed.what == "strokes and joint limits are kept"
+    assert "leg 1, joint 3" in failed.how
 
 
 def test_reports_of_less(run, saved, tmp_path):

@@ -97,6 +97,9 @@ def simulate(
     start = time.perf_counter()
     prepared = flight.prepare(file, plan, backend, say=lambda words: step(start, words))
     tell_control(prepared.choice.why, prepared.verdict)
+    for doubt in prepared.doubts:
+        words = f"{trajectory.name}: {doubt}; shorten the moves, or correct stroke or units"
+        console.print(f"[yellow]warning[/] {escape(words)}")
     done = flight.fly(prepared, say=lambda words: step(start, words))
     save_run(done.result, out, start)
     step(start, "drawing the pictures")

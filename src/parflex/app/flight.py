@@ -7,16 +7,22 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.app.trajectory_file import Plan, planned_control, start_of, trajectory_of
+from parflex.base.errors import InputError
 from parflex.files.robot_file import RobotFile
 from parflex.model.core import core_of
 from parflex.model.model import Model
+from parflex.robot.joint_words import beyond_strokes
+from parflex.robot.robot import Robot
 from parflex.simulation.laws.choice import Choice
 from parflex.simulation.laws.controller import Start
 from parflex.simulation.laws.verdict import Verdict
+from parflex.simulation.leg_motion import leg_motion
 from parflex.simulation.result import Result
 from parflex.simulation.simulate import simulate
 from parflex.simulation.trajectory import Trajectory
 from parflex.views.sketch import instant_of_largest_bend, sketch_of
+
+INSTANTS = 500  # of a trajectory, at which strokes are looked at
 
 
 class Flight(NamedTuple):
@@ -36,6 +42,7 @@ class Prepared(NamedTuple):
     way: Trajectory
     choice: Choice
     verdict: Verdict | None
+    doubts: list[str]  # about strokes that the trajectory asks for
 
 
 def prepare(
@@ -51,12 +58,22 @@ def prepare(
     way = trajectory_of(plan, start.state)
     say("looking whether the control is stable")
     choice = planned_control(plan, model, start, way)
-    return Prepared(file, plan, model, start, way, choice, choice.controller.verdict(start.state))
+    verdict = choice.controller.verdict(start.state)
+    return Prepared(file, plan, model, start, way, choice, verdict, stroke_doubts(file.robot, way))
+
+
+def stroke_doubts(robot: Robot, way: Trajectory) -> list[str]:
+    """A line for each leg whose stroke a trajectory exceeds; none where the legs do not allow its poses."""
+    times = np.linspace(0.0, way.duration, INSTANTS)
+    try:
+        return beyond_strokes(robot, leg_motion(Model(robot, "numpy"), way, times).positions)
+    except InputError:
+        return []
 
 
 def fly(prepared: Prepared, say: Callable[[str], None] = lambda words: None) -> Flight:
     """The robot along its plan."""
-    file, plan, model, start, way, choice, verdict = prepared
+    file, plan, model, start, way, choice, verdict, _ = prepared
     table = plan.table
     say(f"flying the trajectory ({way.duration:.4g} s) on {core_of(model).functions.backend.version()}")
     times = np.linspace(0.0, way.duration, max(2, round(way.duration / table.sample_time) + 1))

@@ -7,6 +7,7 @@ import numpy as np
 from parflex.base.spatial import vector_from_rotation
 from parflex.mechanics.mechanism import mechanism_of
 from parflex.robot.joint_words import joint_value
+from parflex.robot.modal import free_vibration
 from parflex.robot.words import frequencies, listed
 
 if TYPE_CHECKING:
@@ -64,7 +65,7 @@ def facts(file: "RobotFile") -> list[str]:
     return [
         f"platform: {mass:.4g} kg{carried}, centre of mass {listed(com)} m, "
         f"{len(body.attachments)} attachments",
-        f"modes: {frequencies(body.frequencies, body.damping_ratios)}",
+        f"modes: {frequencies(*free_vibration(body.moments, body.stiffness, body.damping))}",
         f"home: {listed(position)} m, turned by {listed(turned)} deg; gravity {listed(robot.gravity)} m/s²",
         f"motors: {robot.n_forces}",
     ]

@@ -46,9 +46,21 @@ def beyond_limits(robot: Robot, joints: Array) -> str:
         q = joints[:, number - 1]
         for j, joint in enumerate(leg.joints):
             if np.any((q[:, j] < joint.q_min) | (q[:, j] > joint.q_max)):
-                was = f"leg {number}, joint {j + 1} was at {np.min(q[:, j]):.4g} … {np.max(q[:, j]):.4g}"
-                lines.append(f"{was}, beyond its limits {joint.q_min:.4g} … {joint.q_max:.4g}")
+                was = f"{joint_value(joint, np.min(q[:, j]))} … {joint_value(joint, np.max(q[:, j]))}"
+                kept = f"{joint_value(joint, joint.q_min)} … {joint_value(joint, joint.q_max)}"
+                lines.append(f"leg {number}, joint {j + 1} was at {was}, beyond its limits {kept}")
     return "\n".join(lines)
+
+
+def beyond_strokes(robot: Robot, positions: Array) -> list[str]:
+    """A line for each actuated joint of (T, m) that is to go beyond its limits."""
+    lines = []
+    for (leg, _, joint), q in zip(driven(robot), positions.T, strict=True):
+        if np.any((q < joint.q_min) | (q > joint.q_max)):
+            asked = f"{joint_value(joint, np.min(q))} … {joint_value(joint, np.max(q))}"
+            kept = f"{joint_value(joint, joint.q_min)} … {joint_value(joint, joint.q_max)}"
+            lines.append(f"the joint of leg {leg} is to go {asked}, beyond its stroke {kept}")
+    return lines
 
 
 def joint_value(joint: Joint, value: float) -> str:

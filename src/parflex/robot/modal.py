@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.array import Array
+from parflex.base.array import Array, block, skew
 from parflex.base.check import exactly, finite
 from parflex.base.errors import InputError
 from parflex.robot.moments import Moments
@@ -41,3 +41,27 @@ def natural_frequencies(name: str, value: ArrayLike, modes: int) -> Array:
         worst = int(np.argmin(omega))
         raise InputError(f"{name}[{worst}] is {omega[worst]}; frequencies in rad/s cannot be negative")
     return omega
+
+
+def free_vibration(moments: Moments, stiffness: Array, damping: Array) -> tuple[Array, Array]:
+    """Natural frequencies (N,) rad/s of the free body, from low to high, and their damping ratios (N,).
+
+    They are those of the modes themselves where these are free–free, and differ where a payload or a choice
+    of shapes couples them: K v = ω² (m_ee − A_reᵀ A_rr⁻¹ A_re) v, at rest and unbent.
+    """
+    first, turning = skew(moments.MS0), np.trace(moments.P0) * np.eye(3) - moments.P0
+    A_rr = block([[moments.m * np.eye(3), -first], [first, turning]])
+    A_re = np.concatenate([moments.S, axial(moments.P1).T])
+    M = modal_mass(moments) - A_re.T @ np.linalg.pinv(A_rr) @ A_re
+    root = np.linalg.inv(np.linalg.cholesky(M))
+    values, v = np.linalg.eigh(root @ np.diag(stiffness) @ root.T)
+    omega = np.sqrt(np.maximum(values, 0.0))
+    lost = np.sum(v * (root @ np.diag(damping) @ root.T @ v), axis=0)
+    return omega, np.divide(lost, 2 * omega, out=np.zeros(len(omega)), where=omega > 0)
+
+
+def axial(G: Array) -> Array:
+    """∫ r × Φ_k dm (…, 3) of ∫ Φ_k rᵀ dm (…, 3, 3)."""
+    return np.stack(
+        [G[..., 2, 1] - G[..., 1, 2], G[..., 0, 2] - G[..., 2, 0], G[..., 1, 0] - G[..., 0, 1]], axis=-1
+    )

@@ -25,9 +25,9 @@ class Growth(Observer):
     def __init__(self, core: Core, law: BoundLaw) -> None:
         self._mechanism, self._law = core.mechanism, law
         self._t: list[float] = []
+        self._states: list[Array] = []
         self._elastic: list[float] = []  # J
         self._other = 0.0  # J, the largest kinetic energy of the platform as a whole
-        self._y = np.zeros(0)
 
     def begin(self, y: Array) -> None:
         self._look(0.0, y)
@@ -46,13 +46,17 @@ class Growth(Observer):
         return (
             f"the motion diverges: within {span} the platform's elastic energy has grown from "
             f"{self._elastic[before]:.2g} to {last:.2g} J{self._forces()}; "
-            f"the control makes its modes unstable (controller.verdict tells), or the loads do"
+            f"the control makes its modes unstable, as its verdict tells before a run, or the loads do"
         )
+
+    def last_states(self) -> tuple[Array, Array]:
+        return np.array(self._t), np.array(self._states)
 
     def _look(self, t: float, y: Array) -> None:
         """Note the energies in y (size,) at a time."""
         at, body = self._mechanism.layout.at, self._mechanism.platform.body
-        self._y, twist = y.copy(), y[at.twist]
+        self._states.append(y.copy())
+        twist = y[at.twist]
         q, qd = y[at.elastic], y[at.elastic_rate]
         inertia = np.trace(body.moments.P0) * np.eye(3) - body.moments.P0
         self._other = max(
@@ -63,13 +67,14 @@ class Growth(Observer):
 
     def _deformation(self) -> float:
         """The largest deformation at an attachment, of the platform's size."""
-        moved = self._mechanism.platform.body.attachment_shapes @ self._y[self._mechanism.layout.at.elastic]
+        bend = self._states[-1][self._mechanism.layout.at.elastic]
+        moved = self._mechanism.platform.body.attachment_shapes @ bend
         return float(np.max(np.linalg.norm(moved, axis=-1), initial=0.0)) / self._mechanism.size
 
     def _forces(self) -> str:
         """The largest force in words, where the law still gives one."""
         try:
-            forces = self._law.forces(self._t[-1], self._y[:-WORKS])
+            forces = self._law.forces(self._t[-1], self._states[-1][:-WORKS])
             check_finite(forces)
         except InputError:
             return ""

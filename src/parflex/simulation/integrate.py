@@ -54,9 +54,16 @@ class Run:
         else:
             self.stop(f"{type(error).__name__}: {error}", error, when)
 
+    def keep(self, t: Array, y: Array) -> None:
+        """Add states (k, size) between the output times, those at times (k,) that lie beyond the last one."""
+        later = t > self.times[self.done - 1]
+        self.times = np.concatenate([self.times[: self.done], t[later]])
+        self.rows.append(y[later])
+        self.done = len(self.times)
+
     @property
     def t(self) -> Array:
-        """The output times that were reached (k,)."""
+        """The times (k,) of the states: output times, and others before the end of a run that diverged."""
         return self.times[: self.done]
 
     @cached_property
@@ -100,6 +107,9 @@ def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: S
             run.stop(cause)
         else:
             run.fail(error)
+    for observer in observers:
+        if run.stopped and run.cause is None and observer.diagnosis():
+            run.keep(*observer.last_states())
     return run
 
 

@@ -55,6 +55,10 @@ class Observer(ABC):
         """The cause behind whatever ended the run; empty where none is known."""
         return ""
 
+    def last_states(self) -> tuple[Array, Array]:
+        """Times (k,) and y (k, size) that show how the run came to its end, where it has a diagnosis."""
+        return np.zeros(0), np.zeros((0, 0))
+
 
 class Closure(Observer):
     """States are put back onto the closure of the legs, in the metric of the robot's mass."""

@@ -1,6 +1,6 @@
 """The servos of the legs: each actuated joint follows the length or angle that the trajectory asks for."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -17,6 +17,7 @@ from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.state import State
+from parflex.robot.words import span
 from parflex.simulation.laws.controller import Controller, Start, TableEntry, stacked_row
 from parflex.simulation.laws.law import Law
 from parflex.simulation.laws.servo_gains import check_sampled, default_gains
@@ -86,7 +87,8 @@ class Servo(Controller):
         """The verdict on the servos about the equilibrium in the pose of a state, by default home."""
         core = core_of(self.model)
         motions = about(core.readable, core.robot.home if state is None else state)
-        return servo_verdict("servo", motions, self.kp, self.kd, self.ki)
+        found = servo_verdict("servo", motions, self.kp, self.kd, self.ki)
+        return replace(found, words=f"{found.words} (kp {span(self.kp)}, kd {span(self.kd)})")
 
     def law(self, model: Model) -> Law:
         way = self.trajectory

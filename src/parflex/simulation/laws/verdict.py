@@ -7,6 +7,9 @@ import numpy as np
 from parflex.analysis.small_motions import SmallMotions
 from parflex.base.array import Array
 
+TOPPLES = (
+    "the joints are too soft for the weight, or the pose is near a singularity: raise kp, or change these"
+)
 FAINT = 1e-4  # of a pole's size: a growth that any real damping takes away
 
 
@@ -70,7 +73,8 @@ def servo_verdict(name: str, motions: SmallMotions, kp: Array, kd: Array, ki: Ar
     if grows(locked):
         return Verdict(False, worst, f"{name}: unstable; {buckling(locked)}")
     if grows(worst):
-        return Verdict(False, worst, f"{name}: unstable, a motion {pace(worst)}; lower ki, or raise kd")
+        remedy = "lower ki, or raise kd" if np.any(ki) else TOPPLES
+        return Verdict(False, worst, f"{name}: unstable, a motion {pace(worst)}; {remedy}")
     return Verdict(True, worst, f"{name}: stable; {slowest(worst)}")
 
 
@@ -94,6 +98,5 @@ def frame_verdict(name: str, poles: Array) -> Verdict:
         False,
         worst,
         f"{name}: unstable; while it holds the platform's frame, a motion of the modes {pace(worst)}; "
-        f'use the legs\' servos (kind = "servo"), damp the modes, or leave such shapes out '
-        f"(FlexibleBody.with_modes)",
+        f'use the legs\' servos (kind = "servo"), or a platform without such shapes; docs/why-it-diverges.md',
     )

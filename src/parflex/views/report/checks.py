@@ -27,7 +27,8 @@ class Check(NamedTuple):
 
 def checks_of(data: xr.Dataset) -> list[Check]:
     """Every check that the result has the variables for."""
-    return [check(data) for check, needed in ALL_CHECKS.items() if all(name in data for name in needed)]
+    known = {*data, *data.attrs}
+    return [check(data) for check, needed in ALL_CHECKS.items() if known.issuperset(needed)]
 
 
 def came_to_its_end(data: xr.Dataset) -> Check:
@@ -35,6 +36,13 @@ def came_to_its_end(data: xr.Dataset) -> Check:
     stopped = str(data.attrs.get("stopped", ""))
     how = f"it stopped {stopped}" if stopped else "1 where it stopped before its last instant"
     return Check("the run came to its end", how, float(bool(stopped)), 0)
+
+
+def strokes_kept(data: xr.Dataset) -> Check:
+    """The joints stay within their limits."""
+    beyond = str(data.attrs["beyond_limits"]).splitlines()
+    how = "joints that were beyond their limits" + "".join(f"; {line}" for line in beyond)
+    return Check("strokes and joint limits are kept", how, len(beyond), 0)
 
 
 def forces_plausible(data: xr.Dataset) -> Check:
@@ -101,6 +109,7 @@ def size(data: xr.Dataset) -> float:
 
 ALL_CHECKS: dict[Callable[[xr.Dataset], Check], tuple[str, ...]] = {
     came_to_its_end: (),
+    strokes_kept: ("beyond_limits",),
     all_finite: ("position",),
     rotations_orthonormal: ("rotation",),
     legs_closed: ("leg_path", "path_attachment", "attachment_position"),
