@@ -85,7 +85,9 @@ class Trajectory:
         """From the pose of a state through displacements of it, and back.
 
         Each of moves (n, 2, 3) is a displacement (3,) m and a rotation vector (3,) rad, both from the start,
-        in world axes; each leg of the journey takes `duration` seconds. Raises InputError for a batch of states and wrong shapes.
+        in world axes; each leg of the journey takes `duration` seconds.
+
+        Raises InputError for a batch of states and wrong shapes.
 
         >>> start = State(position=(0, 0, 1), rotation=np.eye(3))
         >>> there_and_back = Trajectory.through(start, [((0.1, 0, 0), (0, 0, 0))], duration=1.0)

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.base.check import exactly
