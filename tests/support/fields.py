@@ -1,4 +1,4 @@
-"""Valid robot and trajectory files as data that hold every table of their schemas, and those tables' fields."""
+"""Valid robot and trajectory files as data, which hold every table of their schemas; fields of tables."""
 
 import json
 import math
