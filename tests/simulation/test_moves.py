@@ -209,7 +209,7 @@ BAD = {
     ),
     "no time": (lambda: Hold(0), "Hold.duration is 0.0; it must be positive"),
     "stretched": (lambda: MoveTo(None, np.diag([1, 1, 2]), duration=1), "MoveTo.rotation is not a rotation"),
-    "nothing": (lambda: way_of(), "Trajectory.of has 0 moves"),
+    "nothing": (lambda: way_of(), "moves is empty"),
     "a pose": (lambda: way_of((0, 0, 1)), "moves[0] is tuple; expected a Move"),
     "elsewhere": (
         lambda: pf.Trajectory([(0, 0, 1)] * 2, [np.eye(3)] * 2, [1.0], moves=(Hold(2.0),)),

@@ -8,6 +8,7 @@ import numpy as np
 from parflex.analysis.health import check_health, on_closure, single
 from parflex.analysis.mobility import freed_twist, null_space, show, span
 from parflex.base.array import Array, block_diagonal, join, transpose
+from parflex.base.check import of_type
 from parflex.base.errors import InputError, NotConverged
 from parflex.compiled.functions import Functions
 from parflex.mechanics import system as assembly
@@ -77,6 +78,7 @@ def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array
     platform is too soft, and as `Model.direct` where the pose is none.
     """
     mechanism = functions.mechanism
+    of_type(name, state, State)
     still = State(state.position, state.rotation, joints=state.joints)
     start = single(name, on_closure(mechanism, still))
     check_health(mechanism, examined(mechanism, start)[1])

@@ -41,7 +41,7 @@ def forward_all(
 ) -> list[Array]:
     """All flat states found whose actuated joints are as given (m,), the nearest to the guess first."""
     wanted, start = given(mechanism, joints, guess)
-    return every_pose(mechanism, wanted, start, integer("starts", starts, 1), seed)
+    return every_pose(mechanism, wanted, start, integer("starts", starts, 1), integer("seed", seed))
 
 
 def given(mechanism: Mechanism, joints: ArrayLike, guess: State | None) -> tuple[Array, Array]:

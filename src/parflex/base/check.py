@@ -68,6 +68,15 @@ def of_type(name: str, value: Any, kind: type, article: str = "a") -> Any:
     return value
 
 
+def whole_numbers(name: str, values: Any, shape: tuple[int | None, ...] = (None,)) -> Array:
+    """An array of whole numbers, none negative, of exactly this shape (None: any length); it may be empty."""
+    exactly(name, values, shape)
+    array = np.asarray(values)
+    if array.size and array.dtype.kind not in "iu":
+        raise InputError(f"{name} is of {array.dtype}; give whole numbers")
+    return obeying(name, array.astype(np.int64), NOT_NEGATIVE)
+
+
 def all_of_type(name: str, values: Any, kind: type) -> tuple[Any, ...]:
     """A sequence of parflex's own objects, as a tuple."""
     if isinstance(values, kind) or not isinstance(values, (list, tuple)):

@@ -73,8 +73,9 @@ def placed_leg(reader: Reader, number: int, row: LegTable, parts: Mapping[str, P
     if known is None:
         return None
     tips = reader.attempt(where, tips_on, known, row.attachments)
-    own = where if row.posture is not None else ("chain", known.name)
-    posture = reader.attempt(own, posture_of, known, row.posture or known.table.posture)
+    posture = reader.attempt(("chain", known.name), posture_of, known, known.table.posture)
+    if row.posture is not None:
+        posture = reader.attempt(where, posture_of, known, row.posture)
     rotation = reader.attempt(where, rotation_of, row.rotation)
     if tips is None or rotation is None:
         return None

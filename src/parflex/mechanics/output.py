@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array, cross, join, mv, transpose
-from parflex.base.check import exactly, integer
+from parflex.base.check import exactly, integer, whole_numbers
 from parflex.base.errors import InputError
 from parflex.mechanics.kinematics import PointMotion, node_wrench_map, point_motion
 from parflex.robot.body import FlexibleBody
@@ -24,8 +24,7 @@ class Output(ABC):
     def check_rows(self, rows: Any) -> tuple[int, ...]:
         """The rows as integers; raises InputError where one is none of 0 … 5, or named twice."""
         name = f"{type(self).__name__}.rows"
-        given = rows if isinstance(rows, (tuple, list, range)) else ()
-        found = tuple(integer(name, row) for row in given)
+        found = tuple(whole_numbers(name, rows).tolist())
         if not found or len(set(found)) < len(found) or not set(found) <= set(range(6)):
             raise InputError(f"{name} is {rows}; name some of 0 … 5, each once")
         return found

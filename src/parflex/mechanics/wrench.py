@@ -48,8 +48,9 @@ def generalised_force(body: FlexibleBody, state: State, wrenches: Sequence[Wrenc
 
 
 def places_of(wrenches: Sequence[Wrench]) -> tuple[Place, ...]:
-    """The places of the wrenches."""
-    return tuple(Place(wrench.node, wrench.frame == "world") for wrench in wrenches)
+    """The places of the wrenches; raises InputError where they are none."""
+    known = all_of_type("wrenches", wrenches, Wrench)
+    return tuple(Place(wrench.node, wrench.frame == "world") for wrench in known)
 
 
 def pushes_of(wrenches: Sequence[Wrench]) -> Array:

@@ -10,6 +10,8 @@ from numpy.typing import ArrayLike
 
 from parflex.analysis.health import check_health, check_state
 from parflex.base.array import Array, split
+from parflex.base.check import of_type
+from parflex.base.errors import InputError
 from parflex.compiled import choose
 from parflex.compiled.functions import Functions
 from parflex.kernels import joints as kernels
@@ -73,7 +75,7 @@ class Core:
 
 def made(robot: Robot, backend: str, parameters: Sequence[str]) -> Core:
     """The core of a robot; raises InputError for an unknown backend or parameter."""
-    mechanism = mechanism_of(robot)
+    mechanism = mechanism_of(of_type("robot", robot, Robot))
     return Core(mechanism, Functions(mechanism, choose(backend), Parameters(robot, parameters)))
 
 
@@ -92,7 +94,9 @@ class HasCore(Protocol):
 
 
 def core_of(model: HasCore) -> Core:
-    """The core of a model."""
+    """The core of a model; raises InputError where it is none."""
+    if not isinstance(getattr(model, "_core", None), Core):
+        raise InputError(f"model is {type(model).__name__}; expected a Model")
     return model._core
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base import kinds
 from parflex.base.array import Array, outer, without_roundoff
-from parflex.base.check import exactly, integer, of_type, positive
+from parflex.base.check import exactly, integer, of_type, positive, whole_numbers
 from parflex.base.errors import InputError
 from parflex.base.plausible import usual
 from parflex.robot.attachments import attachment_nodes
@@ -156,9 +156,7 @@ class FlexibleBody:
         Stiffness and damping stay those of the bare body. Raises InputError for an unknown node or
         a mass that is not positive.
         """
-        m = positive("mass", mass)
-        if integer("node", node) >= len(self.nodes):
-            raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
+        m, node = positive("mass", mass), self._known(node)
         moments = with_point(self.moments, m, self.nodes[node], self.shapes[:, node])
         return replace(self, moments=moments)
 
@@ -167,7 +165,7 @@ class FlexibleBody:
 
         Raises InputError for a mode that it does not have, or that is named twice.
         """
-        kept = [integer("modes", mode) for mode in modes]
+        kept = whole_numbers("modes", modes).tolist()
         if len(set(kept)) < len(kept) or max(kept, default=-1) >= self.modes:
             raise InputError(f"modes is {kept}; name some of 0 … {self.modes - 1}, each once")
         turned = None if self.rotation_shapes is None else self.rotation_shapes[kept]
@@ -183,11 +181,19 @@ class FlexibleBody:
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
         """Φ_d and Φ_r (3, N) of a node, or of a point (3,) m away from it that is fixed to it.
 
-        Rotations are zero where the body has no rotation shapes.
+        Rotations are zero where the body has no rotation shapes. Raises InputError for an unknown node or an
+        offset that is no point.
         """
+        node, arm = self._known(node), exactly("offset", offset, (3,))
         Phi_d = self.shapes[:, node].T
         Phi_r = np.zeros_like(Phi_d) if self.rotation_shapes is None else self.rotation_shapes[:, node].T
-        return Phi_d + np.cross(Phi_r.T, np.asarray(offset)).T, Phi_r
+        return Phi_d + np.cross(Phi_r.T, arm).T, Phi_r
+
+    def _known(self, node: int) -> int:
+        """The number of a node; raises InputError where the body has none of it."""
+        if integer("node", node) >= len(self.nodes):
+            raise InputError(f"node is {node}; this body has nodes 0 … {len(self.nodes) - 1}")
+        return node
 
     def __repr__(self) -> str:
         held = counted(len(self.attachments), "attachment")

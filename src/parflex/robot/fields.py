@@ -80,25 +80,21 @@ def given(
 ) -> Any:
     """A field of a number, or of an array of this shape, that must be given, or may be None by default."""
     known: dict[str, Any] = {"words": words, "kind": kind, "shape": shape, "rule": rule}
-    form = partial(absent_or, form=exact(shape) if shape else scalar)
+    form = exact(shape) if shape else scalar
+    form = optional(form) if default is None else form
     return field(default=default, metadata=about(form, default=default, **known))
 
 
 def part(kind: type, words: str, default: Any = MISSING) -> Any:
     """A field that is a dataclass of fields itself."""
-    form = partial(absent_or, form=partial(of_type, kind=kind))
+    form: Callable[[str, Any], Any] = partial(of_type, kind=kind)
+    form = optional(form) if default is None else form
     return field(default=default, metadata=about(form, default=default, words=words, part=kind))
 
 
 def index(words: str) -> Any:
     """A field that is a number of something, from 0, or None."""
-    form = partial(absent_or, form=integer)
-    return field(default=None, metadata=about(form, words=words))
-
-
-def absent_or(name: str, value: Any, form: Callable[[str, Any], Any]) -> Any:
-    """None, or the value as it is kept."""
-    return None if value is None else form(name, value)
+    return field(default=None, metadata=about(optional(integer), words=words))
 
 
 def exact(shape: tuple[int | None, ...]) -> Callable[[str, Any], Any]:

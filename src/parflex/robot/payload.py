@@ -6,7 +6,7 @@ import numpy as np
 
 from parflex.base import kinds
 from parflex.base.array import Array, skew
-from parflex.base.check import POSITIVE, SYMMETRIC
+from parflex.base.check import POSITIVE, SYMMETRIC, of_type
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.base.plausible import doubt
@@ -65,6 +65,7 @@ class Payload:
         Raises InputError for a node that the body does not have; doubts a payload that outweighs the body
         a hundred times.
         """
+        of_type("body", body, FlexibleBody)
         if HEAVY * body.moments.m < self.mass <= kinds.MASS.most:
             doubt(
                 f"Payload.mass is {self.mass:.10g} kg, on a platform of {body.moments.m:.4g} kg; "

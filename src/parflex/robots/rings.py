@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.base.check import integer
 from parflex.base.spatial import rotation_about_z
 from parflex.robot.body import FlexibleBody
 
@@ -48,6 +49,6 @@ def plate(
     """
     from parflex.fe import plate_modes
 
-    computed = plate_modes(corners, n_modes=modes, **section)
+    computed = plate_modes(corners, n_modes=integer("modes", modes), **section)
     held = None if attachments is None else np.pad(attachments, ((0, 0), (0, 1)))
     return FlexibleBody.from_modes(computed, held, origin=(0.0, 0.0, 0.0), damping_ratio=damping_ratio)

@@ -47,7 +47,13 @@ class Result:
         return bool(self.stopped)
 
     def state(self, index: int) -> State:
-        """The state at an output time, with the legs' joints."""
+        """The state at an output time, with the legs' joints; negative numbers count from the end.
+
+        Raises InputError where there is no such time.
+        """
+        count = self.dataset.sizes["time"]
+        if not isinstance(index, int | np.integer) or not -count <= index < count:
+            raise InputError(f"index is {index!r}; this result has {count} times, 0 … {count - 1}")
         at = self.dataset.isel(time=index)
         arrays: dict[str, Any] = {name: at[name].values for name in STATE}
         for name in ("joint", "joint_rate"):

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
-from parflex.base.check import all_of_type, exactly, finite, rotation_matrix, scalar
+from parflex.base.check import all_of_type, exactly, finite, of_type, positive, rotation_matrix
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.kernels.segment import Sample, Segment, along, resting
@@ -71,24 +71,23 @@ class Trajectory:
         2.45
         """
         moves = all_of_type("moves", moves, Move)
-        if start.batch or not moves:
-            raise InputError(
-                f"Trajectory.of has {len(moves)} moves and a start of batch {start.batch}; give one "
-                f"state and at least one move"
-            )
-        return Trajectory(*between(Pose(start.position, start.rotation), moves), rest, moves)
+        if not moves:
+            raise InputError("moves is empty; give at least one move")
+        return Trajectory(*between(pose_of(start), moves), rest, moves)
 
     @staticmethod
     def through(
         start: State,
-        moves: Sequence[ArrayLike],
+        moves: ArrayLike,
         duration: float,
         rest: tuple[float, float] = (0.5, 0.5),
     ) -> "Trajectory":
         """From the pose of a state through displacements of it, and back.
 
-        Each move is a displacement (3,) m and a rotation vector (3,) rad, both from the start, in
-        world axes; each leg of the journey takes `duration` seconds.
+        Each of moves (n, 2, 3) is a displacement (3,) m and a rotation vector (3,) rad, both from the start,
+        in world axes; each leg of the journey takes `duration` seconds.
+
+        Raises InputError for a batch of states and wrong shapes.
 
         >>> start = State(position=(0, 0, 1), rotation=np.eye(3))
         >>> there_and_back = Trajectory.through(start, [((0.1, 0, 0), (0, 0, 0))], duration=1.0)
@@ -99,12 +98,12 @@ class Trajectory:
         """
         from scipy.spatial.transform import Rotation
 
-        p, R = np.asarray(start.position), Rotation.from_matrix(np.asarray(start.rotation))
-        steps = [exactly(f"moves[{i}]", move, (2, 3)) for i, move in enumerate(moves)]
+        pose, steps = pose_of(start), exactly("moves", moves, (None, 2, 3))
+        p, R = pose.position, Rotation.from_matrix(pose.rotation)
         positions = [p, *(p + step[0] for step in steps), p]
         rotations = [R, *(Rotation.from_rotvec(step[1]) * R for step in steps), R]
         matrices = np.stack([rotation.as_matrix() for rotation in rotations])
-        return Trajectory(positions, matrices, np.full(len(steps) + 1, scalar("duration", duration)), rest)
+        return Trajectory(positions, matrices, np.full(len(steps) + 1, positive("duration", duration)), rest)
 
     def __repr__(self) -> str:
         ends = f"from {listed(self.positions[0])} to {listed(self.positions[-1])} m"
@@ -157,11 +156,10 @@ class Trajectory:
 
     def _led(self) -> tuple[Move, ...]:
         """The moves, checked; straight ones where none are given."""
-        poses = self._poses
-        if not self.moves:
+        poses, moves = self._poses, all_of_type("Trajectory.moves", self.moves, Move)
+        if not moves:
             ways = zip(poses[1:], self.durations, strict=True)
             return tuple(MoveTo(*pose, duration=time) for pose, time in ways)
-        moves: tuple[Move, ...] = all_of_type("Trajectory.moves", self.moves, Move)
         given = self.positions, self.rotations, self.durations
         pairs = zip(between(poses[0], moves), given, strict=True)
         if not all(a.shape == b.shape and np.allclose(a, b, 0, SAME) for a, b in pairs):
@@ -170,6 +168,13 @@ class Trajectory:
                 "Trajectory.of, which finds them"
             )
         return moves
+
+
+def pose_of(start: State) -> Pose:
+    """The pose of a state; raises InputError for a batch, and for what is no state."""
+    if of_type("start", start, State).batch:
+        raise InputError(f"start is a batch {start.batch}; give one state")
+    return Pose(np.asarray(start.position), np.asarray(start.rotation))
 
 
 def between(start: Pose, moves: Sequence[Move]) -> tuple[Array, Array, Array]:

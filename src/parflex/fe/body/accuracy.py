@@ -56,8 +56,10 @@ class Truth(NamedTuple):
 def truth_of(body: FreeBody, held: tuple[Holding, ...], negligible: float, up_to: float | None) -> Truth:
     """The full model's answers.
 
-    Raises InputError where there are no joints.
+    Raises InputError where there are no joints, and for a frequency that is not positive.
     """
+    if up_to is not None:
+        positive("up_to", up_to)
     if all(place.is_tool for place in held):
         raise InputError("points is empty; a basis can be judged at the joints of a body only")
     static = static_response(body, held)
@@ -75,7 +77,7 @@ def pinned_frequencies(body: FreeBody, pins: Array, up_to: float | None) -> Arra
         moving = found[found > MOVING * found[-1]]
         if up_to is None and (len(moving) >= FIRST or count >= 4 * FIRST):
             return moving[:FIRST]
-        if up_to is not None and found[-1] > positive("up_to", up_to):
+        if up_to is not None and found[-1] > up_to:
             return moving[moving <= up_to]
         count = min(2 * count, body.unknowns // 2)
 

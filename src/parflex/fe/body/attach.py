@@ -33,6 +33,8 @@ def attached(
     than three nodes, and for places that share nodes.
     """
     of_type("modes", modes, Modes)
+    if not isinstance(ids, Sequence | np.ndarray | None):
+        raise InputError(f"ids is {type(ids).__name__}; give a list of node numbers")
     if ids is not None and points is None:
         groups = [by_id(modes, number, given) for number, given in enumerate(ids)]
         centres = [np.mean(modes.nodes[group], axis=0) for group in groups]

@@ -104,6 +104,7 @@ class Basis(ABC):
         Raises InputError for places that are off the body or share nodes, for a body that is not free,
         and for more modes than its mesh can carry.
         """
+        of_type("body", body, FreeBody)
         held = places(body, self.points, self.tool, self.radius)
         vectors, notes = self.columns(body, held)
         return tabulated(Reduction(body, held, orthonormal(body, vectors, held), self), notes)
@@ -196,6 +197,7 @@ def with_mesh_error(modes: ComputedModes, coarse: FreeBody) -> ComputedModes:
     Raises InputError where their model is not at hand, or the coarser mesh cannot carry them.
     """
     n = reduction_of(modes).basis.n
+    of_type("coarse", coarse, FreeBody)
     return replace(modes, frequency_error=change(modes.frequencies, np.sqrt(coarse.free_modes(n)[0][:n])))
 
 

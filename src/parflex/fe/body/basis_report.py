@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from parflex.base.check import of_type
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.check_report import ReportRows, rigid_rows
 from parflex.fe.body.free_body import FreeBody
@@ -13,6 +14,7 @@ from parflex.robot.moments import shifted
 
 def check_rows(modes: Modes) -> ReportRows:
     """Each thing that was checked, and the finding, in words; of imported modes, the rows of their report."""
+    of_type("modes", modes, Modes)
     computed = modes if isinstance(modes, ComputedModes) else None
     if computed is not None and computed.reduction is None and computed.report is not None:
         return computed.report.rows()

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import count
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -55,10 +55,10 @@ def places(
     Raises InputError for a point off the body, for patches of fewer than three nodes, and where two
     of them share nodes.
     """
-    wanted = located(body, body.corners if points is None else points)
+    wanted = located("points", body, body.corners if points is None else points)
     names = [f"joint {number}" for number in range(1, len(wanted) + 1)]
     if tool is not None:
-        wanted = np.vstack([wanted, located(body, np.asarray(tool)[None])])
+        wanted = np.vstack([wanted, located("tool", body, [tool])])
         names.append(TOOL)
     if not body.patches:
         return at_nodes(body, names, wanted)
@@ -68,20 +68,20 @@ def places(
     return tuple(patch(body, *each) for each in zip(names, wanted, held, strict=True))
 
 
-def located(body: FreeBody, wanted: Sequence[int] | ArrayLike) -> Array:
+def located(name: str, body: FreeBody, wanted: Any) -> Array:
     """Coordinates (k, 3) of node numbers, or of points."""
     try:
         array = np.asarray(wanted)
     except ValueError:
-        raise InputError("points is ragged; give node numbers, or points (k, 3)") from None
+        raise InputError(f"{name} is ragged; give node numbers, or points (k, 3)") from None
     if array.ndim == 1 and (array.dtype.kind in "iu" or array.size == 0):
         for number, node in enumerate(array):
             if not 0 <= node < len(body.nodes):
                 raise InputError(
-                    f"points[{number}] is node {node}; this body has nodes 0 … {len(body.nodes) - 1}"
+                    f"{name}[{number}] is node {node}; this body has nodes 0 … {len(body.nodes) - 1}"
                 )
         return body.nodes[array.astype(int)]
-    return exactly("points", array, (None, 3))
+    return exactly(name, array, (None, 3))
 
 
 def at_nodes(body: FreeBody, names: list[str], wanted: Array) -> tuple[Holding, ...]:

@@ -8,7 +8,7 @@ from scipy import sparse
 from scipy.linalg import eigh
 
 from parflex.base.array import Array, skew
-from parflex.base.check import exactly
+from parflex.base.check import exactly, whole_numbers
 from parflex.base.errors import InputError
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import Sparse, by_node, nodal_moments, rigid_fields
@@ -51,8 +51,10 @@ def body_of_matrices(
         rigid=rigid_motions(r - np.asarray(scalar @ r).sum(axis=0) / scalar.sum()),
         moments=lambda vectors: nodal_moments(r, scalar, by_node(vectors)),
         shift=shift,
-        triangles=np.zeros((0, 3), dtype=int) if triangles is None else np.asarray(triangles, dtype=int),
-        corners=tuple(corners),
+        triangles=np.zeros((0, 3), dtype=int)
+        if triangles is None
+        else whole_numbers("triangles", triangles, (None, 3)),
+        corners=tuple(whole_numbers("corners", corners).tolist()),
         source=source,
         notes=tuple(notes),
     )
@@ -62,15 +64,13 @@ def row_order(nodes: int, unknowns: ArrayLike | None) -> Array:
     """The row of x, y, z of node after node; (3K,)."""
     if unknowns is None:
         return np.arange(3 * nodes)
-    table = np.asarray(unknowns)
-    if table.ndim != 2 or table.shape[1] != 2 or table.dtype.kind not in "iu":
-        raise InputError(f"unknowns has shape {table.shape}; expected whole numbers (n, 2): node, component")
+    table = whole_numbers("unknowns", unknowns, (None, 2))  # node, component
     if np.any(table[:, 1] > 2):
         raise InputError(
             "unknowns has rotations (components above 2); only models whose nodes move without turning have "
             "integrals here: use solid elements, or import the modes instead of the matrices"
         )
-    if np.any(table < 0) or np.any(table[:, 0] >= nodes):
+    if np.any(table[:, 0] >= nodes):
         raise InputError(f"unknowns names a node or component that there is not; nodes are 0 … {nodes - 1}")
     found = 3 * table[:, 0] + table[:, 1]
     if len(found) != 3 * nodes or len(np.unique(found)) != 3 * nodes:
@@ -85,11 +85,11 @@ def row_order(nodes: int, unknowns: ArrayLike | None) -> Array:
 
 def ordered(name: str, matrix: Sparse, order: Array) -> Sparse:
     """The matrix in the nodes' order, symmetric."""
-    given = sparse.csr_array(matrix)
+    given = sparse.csr_array(matrix if sparse.issparse(matrix) else exactly(name, matrix, (None, None)))
     if given.shape != (len(order), len(order)):
         raise InputError(f"{name} has shape {given.shape}; the nodes make it {(len(order), len(order))}")
-    if not np.all(np.isfinite(given.data)):
-        raise InputError(f"{name} has entries that are not finite")
+    if given.dtype.kind not in "biuf" or not np.all(np.isfinite(given.data)):
+        raise InputError(f"{name} has entries that are no finite real numbers")
     largest = np.max(np.abs(given.data), initial=0.0)
     if abs(given - given.T).max() > 1e-6 * largest:
         raise InputError(f"{name} is not symmetric; give the whole matrix, not one triangle of it")

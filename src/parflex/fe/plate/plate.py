@@ -164,7 +164,7 @@ def described(
     corners, section = convex_polygon(polygon), plate_section(thickness, material)
     check_proportions("polygon", corners, thickness)
     held = None if points is None else on_plate(corners, in_space(points), "joint {}")
-    acted = NONE if tool is None else on_plate(corners, in_space(np.asarray(tool)[None]), "tool")
+    acted = NONE if tool is None else on_plate(corners, in_space([tool], "tool"), "tool")
     return Plate(corners, held, acted, material, section)
 
 

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.base.check import exactly
@@ -12,19 +11,28 @@ from parflex.fe.plate.mesh import SAME
 from parflex.fe.plate.polygon import outside
 
 
-def in_space(points: ArrayLike) -> Array:
+def in_space(points: Any, name: str = "points") -> Array:
     """Points (k, 3) m, given as they are or as (k, 2) in the plane z = 0.
 
     Raises InputError for anything else.
     """
-    flat = np.asarray(points, dtype=object).shape[-1:] == (2,)
-    found = exactly("points", points, (None, 2 if flat else 3))
+    try:
+        flat = np.shape(points)[-1:] == (2,)
+    except ValueError:
+        raise InputError(f"{name} is ragged; give points of two or three coordinates") from None
+    found = exactly(name, points, (None, 2 if flat else 3))
     return np.pad(found, ((0, 0), (0, 1))) if flat else found
 
 
 def places_of(given: Any) -> Any:
     """Coordinates as they are; None where nodes are named by number, or nothing is."""
-    return None if given is None or np.asarray(given).dtype.kind in "iu" else given
+    return None if given is None or are_numbers(given) else given
+
+
+def are_numbers(given: Any) -> bool:
+    """True where nodes are named by number."""
+    entries = np.ravel(np.asarray(given, dtype=object))
+    return len(entries) > 0 and all(isinstance(entry, int | np.integer) for entry in entries)
 
 
 def on_plate(corners: Array, points: Array, name: str) -> Array:

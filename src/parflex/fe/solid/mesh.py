@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from parflex.base.array import Array
-from parflex.base.check import exactly
+from parflex.base.check import exactly, whole_numbers
 from parflex.base.errors import InputError
 from parflex.fe.body.elements import TET10, TETRA_EDGES, jacobians
 from parflex.fe.body.surface import surface
@@ -64,13 +64,13 @@ def solid_mesh(
     say so. Raises InputError for elements without volume, folded ones, and parts that do not touch.
     """
     r = exactly("nodes", nodes, (None, 3))
-    cells = np.asarray(elements)
-    if cells.ndim != 2 or cells.shape[1] not in (4, 10) or cells.dtype.kind not in "iu" or len(cells) == 0:
+    cells = whole_numbers("elements", elements, (None, None))
+    if cells.shape[1] not in (4, 10) or len(cells) == 0:
         raise InputError(f"elements has shape {cells.shape}; expected node numbers (E, 4) or (E, 10)")
-    if cells.min() < 0 or cells.max() >= len(r):
+    if cells.max() >= len(r):
         raise InputError(f"elements names node {cells.max()}; the mesh has nodes 0 … {len(r) - 1}")
-    part = np.zeros(len(cells), dtype=int) if parts is None else np.asarray(parts, dtype=int)
-    r, cells, joined = without_doubles(r, cells.astype(np.int64))
+    part = np.zeros(len(cells), dtype=int) if parts is None else whole_numbers("parts", parts, (len(cells),))
+    r, cells, joined = without_doubles(r, cells)
     cells, turned = upright(r, cells)
     if cells.shape[1] == 4:
         r, cells = with_middles(r, cells)

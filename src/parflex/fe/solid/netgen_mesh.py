@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
-from parflex.base.check import exactly, integer, positive
+from parflex.base.check import all_of_type, exactly, integer, positive, scalar
 from parflex.base.errors import InputError
 from parflex.base.extra import extra
 from parflex.base.progress import waiting
@@ -71,6 +71,9 @@ def outline_mesh(
     """
     occ = netgen()
     half = 0.5 * positive("thickness", thickness)
+    ribs, steps = all_of_type("ribs", ribs, Rib), all_of_type("steps", steps, Step)
+    if not isinstance(holes, list | tuple):
+        raise InputError(f"holes is {type(holes).__name__}; give a list of outlines")
     solids = [(column(occ, "outline", outline, -half, half), 0)]
     box = bounds(solids[0][0])[:, :2]
     check_proportions("outline", box, thickness, BLOCK)
@@ -84,7 +87,7 @@ def outline_mesh(
             (column(occ, name, step.outline, -tall, tall), integer(f"steps[{number}].part", step.part))
         )
     for number, rib in enumerate(ribs):
-        if not np.isfinite(rib.height) or rib.height == 0:
+        if scalar(f"ribs[{number}].height", rib.height) == 0:
             raise InputError(f"ribs[{number}].height is {rib.height}; it cannot be zero")
         ends = (half, half + rib.height) if rib.height > 0 else (-half + rib.height, -half)
         solids.append(
@@ -179,7 +182,11 @@ def bounds(shape: Any) -> Array:
 
 def meshed(shape: Any, size: float | None, fine_at: ArrayLike, fine: float | None) -> SolidMesh:
     """The mesh of a shape, of a size chosen for the number of unknowns where none is given."""
-    near = np.reshape(np.asarray(fine_at, dtype=float), (-1, 3))
+    none = isinstance(fine_at, list | tuple) and not fine_at
+    near = np.zeros((0, 3)) if none else exactly("fine_at", fine_at, (None, 3))
+    for name, value in (("size", size), ("fine", fine)):
+        if value is not None:
+            positive(name, value)
     if len(near) and fine is None:
         raise InputError("fine_at is given without fine, the size of elements there, m")
     key = ("mesh", drawing(shape), size, near, fine)
@@ -196,7 +203,7 @@ def sized(shape: Any, size: float | None, near: Array, fine: float | None) -> So
     """The mesh of a size, or of the number of unknowns that is wanted."""
     if size is not None:
         least = (shape.mass / MOST) ** (1 / 3)
-        if positive("size", size) < least:
+        if size < least:
             raise InputError(
                 f"size is {size} m, so small that the solid falls into more than a million elements, which "
                 f"no workstation solves; give {least:.2g} m or more"
@@ -236,7 +243,7 @@ def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> Soli
 
     settings = MeshingParameters(maxh=size)
     for point in near:
-        settings.RestrictH(*map(float, point), h=float(positive("fine", fine)))
+        settings.RestrictH(*map(float, point), h=fine)
     with waiting(f"meshing with elements of {size:.3g} m"):
         mesh = OCCGeometry(shape).GenerateMesh(settings)
         mesh.SecondOrder()

@@ -8,7 +8,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.check import finite
+from parflex.base.check import finite, of_type
 from parflex.base.errors import InputError
 from parflex.base.extra import extra
 from parflex.base.progress import Progress
@@ -38,6 +38,7 @@ def write_fields(
     Raises InputError where the modes are not the run's or have no elements, for times outside the run,
     where a file cannot be written, and where meshio is not installed.
     """
+    of_type("modes", modes, Modes)
     target = Path(path)
     if target.suffix != ".pvd":
         raise InputError(f"path is {target.name}; it must end with .pvd")
@@ -47,7 +48,9 @@ def write_fields(
             f"modes are {len(modes.frequencies)}, the run has {elastic.shape[1]}: it is another's"
         )
     rows = (
-        range(len(clock)) if times is None else [nearest_time(clock, time) for time in np.atleast_1d(times)]
+        range(len(clock))
+        if times is None
+        else [nearest_time(clock, time) for time in np.atleast_1d(finite("times", times))]
     )
     files = []
     with Progress("fields", len(rows)) as bar:
@@ -63,7 +66,7 @@ def write_fields(
 
 def nearest_time(clock: Array, time: float) -> int:
     """The output time's number. Raises InputError for a time outside the run."""
-    if not clock[0] - 1e-9 <= float(finite("times", time, ())) <= clock[-1] + 1e-9:
+    if not clock[0] - 1e-9 <= time <= clock[-1] + 1e-9:
         raise InputError(f"times has {time} s; the run goes from {clock[0]} to {clock[-1]} s")
     return int(np.argmin(np.abs(clock - time)))
 

@@ -133,7 +133,7 @@ class ComputedTorque(Controller):
             object.__setattr__(self, name, gain)
         of_type("ComputedTorque.trajectory", self.trajectory, Trajectory)
         of_type("ComputedTorque.output", self.output, FrameOutput)
-        m = self.model.robot.n_forces
+        m = core_of(self.model).robot.n_forces
         preload = finite("ComputedTorque.preload", self.preload)
         if preload.shape not in ((), (m,)):
             raise InputError(f"ComputedTorque.preload has shape {preload.shape}; give ({m},)")

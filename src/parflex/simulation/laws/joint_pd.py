@@ -97,7 +97,7 @@ class JointPD(Controller):
     forces: Given = held(default=0.0)
 
     def __post_init__(self) -> None:
-        m = self.model.robot.n_forces
+        m = core_of(self.model).robot.n_forces
         of_type("JointPD.reference", self.reference, State)
         if self.reference.batch:
             raise InputError(f"JointPD.reference is a batch {self.reference.batch}; give one state")
