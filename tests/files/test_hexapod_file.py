@@ -141,6 +141,35 @@ modes = 3
         assert relative(mine, theirs) < 1e-9  # an eigensolver between
 
 
+def test_legs_may_share_the_joints_of_a_plate(tmp_path):
+    """An ideal hexapod on a plate that names no joints is that whose file names each of the three twice, on
+    the plate that Python computes of three."""
+    corners = [[0.2, 0.2], [-0.25, 0.2], [-0.25, -0.2], [0.2, -0.2]]
+    at = np.radians([-60, 60, 180])
+    places = (0.15 * np.stack([np.cos(at), np.sin(at)], axis=-1)).tolist()
+    named = [places[k] for k in (0, 1, 1, 2, 2, 0)]
+    plate = f"""
+[platform]
+kind = "polygon"
+corners = {corners}
+thickness = "12 mm"
+material = "steel"
+modes = 2
+"""
+    ideal = (
+        HEXAPOD.partition("[payload]")[0].replace('platform_spread = "20 deg"', "platform_spread = 0") + plate
+    )
+    modes = pf.fe.plate_modes(corners, 0.012, material="steel", points=places, n_modes=2)
+    for more in ("", f"attachments = {named}\norigin = [0, 0, 0]"):
+        robot = loaded(tmp_path, ideal + more)
+        body = robot.platform
+        held = body.attachment_points[[leg.tips[0].attachment for leg in robot.legs]]
+        assert np.allclose(held[:, :2], named, atol=1e-12)
+        assert len(body.attachments) == 6
+        assert len(set(body.attachments)) == 3
+        assert body.frequencies == pytest.approx(modes.frequencies, rel=1e-9)
+
+
 def test_rigid_platforms_name_their_joints_without_a_hexapod(tmp_path):
     text = three(JACK).replace("attachments = [[0.3", "# [[0.3")
     with pytest.raises(
