@@ -33,6 +33,40 @@ def test_a_file_without_a_material_is_refused(parflex, tmp_path, step_file):
     assert not list(tmp_path.rglob("*.h5"))
 
 
+def test_neither_material_nor_joints(parflex, tmp_path, step_file):
+    """The material is missed first, with the names it knows, then the joints; a file that is not there before
+    either."""
+    for body in (["part.step"], ["--disc", "340 mm", "--thickness", "20 mm"]):
+        code, _, err = parflex("modes", *body)
+        assert code == 2
+        assert " ".join(err.split()).startswith(f"error --material is not given; name one of {ALL_NAMES}, or")
+    code, _, err = parflex("modes", "part.step", "-m", "steel")
+    assert (code, err.split()[1:5]) == (2, ["--attach", "is", "not", "given;"])
+    code, _, err = parflex("modes", "parts.step")
+    assert code == 2
+    assert " ".join(err.split()) == "error parts.step: there is no such file; did you mean part.step?"
+
+
+def test_the_robot_file_that_is_told_finds_the_modes(parflex, tmp_path):
+    """The line as it is printed, in a file beside the folder."""
+    held = [word for at in ("0.1,0.1", "0.5,0.2", "0.2,0.3") for word in ("-a", f"{at},0")]
+    code, out, err = parflex("modes", *PLATE, "--thickness", "10 mm", "-m", "steel", "--modes", "1", *held)
+    assert code == 0, err
+    [line] = [line for line in out.splitlines() if "platform = {" in line]
+    words = line[line.index("platform = {") :]
+    assert words == 'platform = { kind = "modal", file = "parflex-modes/modes.h5" }'
+    strut = "{ mass = 1, length = 0.4 }"
+    legs = "".join(
+        f"[[leg]]\nchain = 'a'\norigin = [{x}, {y}, -0.5]\nattachments = [{k}]\n"
+        for k, (x, y) in enumerate([(0.3, 0), (-0.3, 0), (0, 0.3)])
+    )
+    home = "home = { position = [0, 0, 0] }"
+    chain = f"[chain.a]\ntype = 'UPS'\ncylinder = {strut}\nrod = {strut}\n"
+    text = f'format = "parflex-robot-1"\n{home}\n{words}\n{chain}{legs}'
+    (tmp_path / "robot.toml").write_text(text, encoding="utf-8")
+    assert len(pf.load_robot("robot.toml").platform.attachments) == 3
+
+
 def test_the_material_is_printed_and_kept(parflex, step_file):
     code, out, err = parflex(
         "modes", "part.step", *JOINTS, "-m", "Cast-Iron", "--size", "80 mm", "--radius", "4 cm"

@@ -71,6 +71,32 @@ def test_thin_solids_are_doubted(netgen):
         pf.fe.outline_mesh((0, 0, RADIUS), 1e-3, size=0.05)
 
 
+@pytest.mark.filterwarnings("ignore::parflex.ImplausibleValue")
+@pytest.mark.parametrize(("radius", "thickness"), [(170.0, 0.02), (0.17, 2e-5)])
+def test_solids_without_a_mesh_are_refused_at_once(netgen, radius, thickness):
+    with pytest.raises(
+        pf.InputError, match=f"thickness is {thickness:.6g} m on a plate of .* too thin for any"
+    ):
+        pf.fe.outline_mesh((0, 0, radius), thickness)
+
+
+def test_what_netgen_cannot_mesh_is_told_in_a_sentence(netgen, monkeypatch):
+    class Geometry:
+        def __init__(self, shape):
+            pass
+
+        def GenerateMesh(self, settings):
+            raise RuntimeError("Meshing failed!")
+
+    monkeypatch.setattr("netgen.occ.OCCGeometry", Geometry)
+    with pytest.raises(pf.InputError) as told:
+        pf.fe.outline_mesh((0, 0, 0.1713), 0.0217, size=0.05)
+    assert str(told.value) == (
+        "Netgen finds no mesh of the solid with elements of 0.05 m (Meshing failed!); check the units of its "
+        "sizes, or give another size of elements"
+    )
+
+
 def test_joints_in_the_middle_of_a_face(netgen):
     """Patches within the top face of a disc: they hold their points, and the basis knows them."""
     mesh = pf.fe.outline_mesh((0, 0, RADIUS), 0.02, size=0.025)

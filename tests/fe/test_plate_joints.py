@@ -154,8 +154,12 @@ def test_absurd_thickness_is_doubted(thickness, words):
 
 
 def test_an_outline_in_millimetres_is_doubted():
-    with pytest.warns(pf.ImplausibleValue, match="polygon is 1000 m"):
-        pf.fe.plate_body(1e3 * corners(), 15.0, material="steel")
+    """It alone: of what is 20 mm thick nothing else is hardly meant."""
+    for thickness in (15.0, 0.02):
+        with pytest.warns(pf.ImplausibleValue) as told:
+            pf.fe.plate_body(1e3 * corners(), thickness, material="steel")
+        [words] = [str(each.message) for each in told]
+        assert words.startswith("polygon is 1000 m, more than 50 m; if it is in mm, give 1 m")
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -141,6 +141,35 @@ modes = 3
         assert relative(mine, theirs) < 1e-9  # an eigensolver between
 
 
+def test_legs_may_share_the_joints_of_a_plate(tmp_path):
+    """An ideal hexapod on a plate that names no joints is that whose file names each of the three twice, on
+    the plate that Python computes of three."""
+    corners = [[0.2, 0.2], [-0.25, 0.2], [-0.25, -0.2], [0.2, -0.2]]
+    at = np.radians([-60, 60, 180])
+    places = (0.15 * np.stack([np.cos(at), np.sin(at)], axis=-1)).tolist()
+    named = [places[k] for k in (0, 1, 1, 2, 2, 0)]
+    plate = f"""
+[platform]
+kind = "polygon"
+corners = {corners}
+thickness = "12 mm"
+material = "steel"
+modes = 2
+"""
+    ideal = (
+        HEXAPOD.partition("[payload]")[0].replace('platform_spread = "20 deg"', "platform_spread = 0") + plate
+    )
+    modes = pf.fe.plate_modes(corners, 0.012, material="steel", points=places, n_modes=2)
+    for more in ("", f"attachments = {named}\norigin = [0, 0, 0]"):
+        robot = loaded(tmp_path, ideal + more)
+        body = robot.platform
+        held = body.attachment_points[[leg.tips[0].attachment for leg in robot.legs]]
+        assert np.allclose(held[:, :2], named, atol=1e-12)
+        assert len(body.attachments) == 6
+        assert len(set(body.attachments)) == 3
+        assert body.frequencies == pytest.approx(modes.frequencies, rel=1e-9)
+
+
 def test_rigid_platforms_name_their_joints_without_a_hexapod(tmp_path):
     text = three(JACK).replace("attachments = [[0.3", "# [[0.3")
     with pytest.raises(
@@ -235,6 +264,55 @@ def test_what_is_hardly_meant_is_told_with_its_line(name, tmp_path):
     words = [str(each.message) for each in caught]
     assert len(words) == 1
     assert words[0].startswith(f"robot.toml:{told}")
+
+
+MEET = "so that joints of neighbouring pairs coincide or change places; give less than 120 deg"
+SLIPPED = {
+    "a radius": (
+        '"250 mm"', "250",
+        ['5: hexapod.base_radius is 250 m, more than 50 m; if it is in mm, give 0.25 m, in files "250 mm"',
+         "14: hexapod.strut.stroke is 0.29 … 0.4 m, but at home a strut is 249.9 m long"],
+    ),
+    "a stroke": (
+        '"290 mm", "400 mm"', "290, 400",
+        ["14: hexapod.strut.stroke is 290 … 400 m, but at home",
+         '14: hexapod.strut.stroke is 400 m, more than 50 m; if it is in mm, give 0.4 m, in files "400 mm"'],
+    ),
+    "an angle": (
+        'base_spread = "20 deg"', "base_spread = 20",
+        [f'8: hexapod.base_spread is 1146 deg, {MEET}; did you mean "20 deg"?',
+         "8: hexapod.base_spread is 20 rad, more than a full turn"],
+    ),
+    "a small angle": (
+        'base_spread = "20 deg"', "base_spread = 4",
+        [f'8: hexapod.base_spread is 229.2 deg, {MEET}; did you mean "4 deg"?'],
+    ),
+    "a large angle": (
+        'base_spread = "20 deg"', 'base_spread = "130 deg"', [f"8: hexapod.base_spread is 130 deg, {MEET}"],
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SLIPPED)
+def test_slips_are_told_beside_the_errors_that_they_lead_to(name, tmp_path):
+    old, new, lines = SLIPPED[name]
+    with pytest.raises(pf.InputError) as caught:
+        loaded(tmp_path, HEXAPOD.replace(old, new, 1))
+    told = str(caught.value).splitlines()
+    for line, expected in zip(told, lines, strict=True):
+        assert line.startswith(f"robot.toml:{expected}")
+    assert told[-1].endswith("?") == lines[-1].endswith("?")
+
+
+def test_many_slips_leave_room_for_errors(tmp_path):
+    """Five doubts beside an error: four of them, the error, and that there is one more."""
+    text = HEXAPOD.replace('"250 mm"', "250").replace('"150 mm"', "150").replace('"300 mm"', "300")
+    text = text.replace('com = "120 mm"', "com = 120").replace('com = "100 mm"', "com = 100")
+    with pytest.raises(pf.InputError) as caught:
+        loaded(tmp_path, text)
+    *told, more = str(caught.value).splitlines()
+    assert more == "… and 1 more"
+    assert [line.split(":")[1] for line in told] == ["5", "6", "7", "12", "14"]
 
 
 @pytest.mark.filterwarnings("default::parflex.ImplausibleValue")

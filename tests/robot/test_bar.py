@@ -37,7 +37,7 @@ MISUSE = {
     "no inertia": (dict(mass=1, com=0.1), "Bar.inertia is missing"),
     "twice": (dict(mass=1, density=2700, outer=0.1, length=1), "Bar.density is 2700.0, beside mass"),
     "a wall of nothing": (dict(mass=1, outer=0.1, inner=0.1, length=1), "Bar.inner is 0.1; it must be less"),
-    "bore without a bar": (dict(mass=1, inner=0.1, length=1), "less than outer, which is None"),
+    "bore without a bar": (dict(mass=1, inner=0.1, length=1), "inner is 0.1, without outer; give"),
     "no body": (dict(mass=1, com=0.1, inertia=(3.0, 1.0)), "no body's: the first cannot be more than twice"),
     "negative": (dict(mass=-1, length=1), "Bar.mass is -1.0; it must be positive"),
     "one inertia": (dict(mass=1, com=0.1, inertia=[1.0]), "Bar.inertia has shape"),

@@ -122,6 +122,32 @@ def test_a_platform_of_ones_own_may_number_its_joints_as_it_likes(order):
     assert relative(*np.array(lengths)[..., 2]) < 2e-4
 
 
+@pytest.mark.parametrize(("base", "platform"), [(0, 0), (20, 0), (0, 20)])
+def test_joints_of_a_pair_may_coincide(base, platform):
+    """The forces are those of spreads that are a millionth of a radian larger, whose joints are apart."""
+    robots = [
+        pf.robots.hexapod(
+            **SKETCH | dict(base_spread=radians(base) + more, platform_spread=radians(platform) + more)
+        )
+        for more in (0.0, 1e-6)
+    ]
+    forces = [pf.Model(robot, "numpy").equilibrium(*robot.home_pose)[1] for robot in robots]
+    assert relative(*forces) < 1e-5
+    assert [leg.tips[0].attachment for leg in robots[0].legs] == list(range(6))
+
+
+def test_a_body_of_three_nodes_is_held_where_it_lists_them_twice():
+    """The remedy of the message; held so, it is the ideal hexapod of its disc."""
+    nodes = ring(0.15, [60, 180, 300])
+    body = pf.FlexibleBody.rigid(4.9, (0, 0, 0), np.diag([0.0356, 0.0356, 0.0708]), nodes)
+    sketch = SKETCH | dict(platform_spread=0.0, strut=STRUT)
+    with pytest.raises(pf.InputError, match="where two joints coincide, list the node twice among"):
+        pf.robots.hexapod(**sketch, platform=body)
+    robot = pf.robots.hexapod(**sketch, platform=replace(body, attachments=(0, 0, 1, 1, 2, 2)))
+    heads = robot.platform.attachment_points[[leg.tips[0].attachment for leg in robot.legs]]
+    assert np.allclose(heads, ring(0.15, [-60, 60, 60, 180, 180, 300]), atol=1e-12)
+
+
 def test_struts_join_neighbours():
     """No other pairing of the joints has shorter struts in all."""
     geometry = HexapodGeometry(**SKETCH)
@@ -176,7 +202,7 @@ MISUSE = {
     ),
     "joints beside": (
         dict(platform=replace(DISC, nodes=DISC.nodes * 1.2)),
-        "no attachment at the joint of leg 1, .* the nearest, 0, is 0.03 m away",
+        "no attachment at the joint of leg 1, .* the nearest that no leg holds, 0, is 0.03 m away",
     ),
     "joints above": (
         dict(platform=replace(DISC, nodes=DISC.nodes + [0, 0, 0.01])),

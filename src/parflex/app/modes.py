@@ -12,6 +12,7 @@ from parflex.app.modes_options import Options
 from parflex.app.modes_report import report
 from parflex.app.terminal import check_format, check_writable, command_of, console, step
 from parflex.base import kinds
+from parflex.base.absent import absent
 from parflex.base.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,13 +54,16 @@ modes = command_of("modes", Options, run_modes)
 
 
 def check_options(options: Options) -> None:
-    """Raise InputError for options that contradict one another, and where nothing can be written."""
+    """Raise InputError for options that contradict one another or lack something, and where nothing can be
+    read or written."""
     check_format(options.image)
     described = options.is_outline or options.made_of
     if options.source is not None and (options.is_outline or options.solid):
         raise InputError(
             "--corner, --disc, --hole and --thickness describe a plate; leave them out, or the file"
         )
+    if options.source is not None and not options.source.exists():
+        raise InputError(absent(options.source))
     if options.corner and options.disc:
         raise InputError("--corner and --disc are both given; a plate has one outline")
     if options.bore and not options.disc:
@@ -72,6 +76,7 @@ def check_options(options: Options) -> None:
             "material; give an outline or a file, or leave out what describes a plate"
         )
     if (options.source or options.disc) and not options.joints:
+        material(options)  # the names of those there are come first
         raise InputError('--attach is not given; name the joints, --attach "x,y,z" for each')
     check_writable(options.out)
 
@@ -165,9 +170,10 @@ def save_modes(found: "ComputedModes", options: Options, start: float) -> None:
     centred = options.disc or (options.is_papers and not options.imports)
     origin = (0.0, 0.0, 0.0) if centred else None
     file = write_modes(found, options.out / "modes.h5", origin=origin, damping_ratio=options.damping)
-    words = f'platform = {{ kind = "modal", file = "{file.name}" }}'
+    words = f'platform = {{ kind = "modal", file = "{file.as_posix()}" }}'
     console.print(
-        f"[bold]{escape(str(file))}[/] holds the platform; in a robot file: {escape(words)}", soft_wrap=True
+        f"[bold]{escape(str(file))}[/] holds the platform; in a robot file here: {escape(words)}",
+        soft_wrap=True,
     )
     if len(found.frequencies) and len(found.triangles):
         step(start, "drawing the shapes")

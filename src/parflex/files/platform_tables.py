@@ -1,7 +1,7 @@
 """Platforms from their tables, and a rigid platform's table from its moments."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 
 
 JOINT = re.compile(r"\bjoint (\d+)")
+SAME = 1e-9  # m: attachments that are nearer are one place, which legs share
 
 
 def from_polygon(table: PolygonTable, folder: Path) -> FlexibleBody:
@@ -119,7 +120,8 @@ BUILDERS: dict[type[Table], Callable[[Any, Path], FlexibleBody]] = {
 def platform(table: Table, folder: Path, joints: Array | None = None) -> FlexibleBody:
     """The platform of a table; files are relative to `folder`.
 
-    One that names no attachments has them at the joints (k, 3) m of Σp.
+    One that names no attachments has them at the joints (k, 3) m of Σp. What is computed of a place that is
+    named twice is held there twice.
 
     Raises InputError in which joints are attachments, counted from 0 as the file does.
     """
@@ -127,11 +129,26 @@ def platform(table: Table, folder: Path, joints: Array | None = None) -> Flexibl
         raise InputError("attachments is missing; give the points that legs may hold")
     if joints is not None and getattr(table, "attachments", ()) is None:
         table = table.model_copy(update=at_joints(table, joints))
+    points = getattr(table, "attachments", None) or []
+    first = firsts(points)
+    kept = sorted(set(first))
+    twice = len(kept) < len(first) and not isinstance(table, RigidTable)
+    if twice:
+        table = table.model_copy(update={"attachments": [points[k] for k in kept]})
     try:
-        return BUILDERS[type(table)](table, folder)
+        body = BUILDERS[type(table)](table, folder)
     except InputError as error:
-        words = JOINT.sub(lambda found: f"attachments[{int(found[1]) - 1}]", str(error))
+        words = JOINT.sub(lambda found: f"attachments[{kept[int(found[1]) - 1]}]", str(error))
         raise type(error)(words) from None
+    if not twice:
+        return body
+    return replace(body, attachments=tuple(body.attachments[kept.index(k)] for k in first))
+
+
+def firsts(points: Sequence[Sequence[float]]) -> list[int]:
+    """The number of the first of the points that each is the same as."""
+    places = np.array(points, dtype=float)
+    return [int(np.argmax(np.max(np.abs(places - place), axis=1) <= SAME)) for place in places]
 
 
 def at_joints(table: Table, joints: Array) -> dict[str, Any]:

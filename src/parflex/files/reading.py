@@ -22,6 +22,7 @@ from parflex.robot.fields import described
 from parflex.robot.leg import Joint
 
 MOST = 5  # complaints at once
+LIKELY = 2  # doubts among them, where there are more complaints
 LARGEST = 4_000_000  # bytes
 LONGEST = 600  # characters of a complaint
 LONG = re.compile(r"\d[\d_]{4000}")
@@ -120,14 +121,20 @@ class Reader:
         return place, f"{field_name(where)}: {said}"
 
     def _told(self, more: int = 0) -> InputError:
-        """The first complaints by line, which alone are located, and the number of others, as an error."""
-        told = self._lines(self._complaints, MOST)
-        more += len(self._complaints) - len(told)
+        """The first complaints and the doubts, which are likely their cause, by line, and the number of
+        others, as an error; these alone are located."""
+        doubts = self._first(self._doubts, max(LIKELY, MOST - len(self._complaints)))
+        told = self._lines([*doubts, *self._first(self._complaints, MOST - len(doubts))])
+        more += len(self._complaints) + len(self._doubts) - len(told)
         return InputError("\n".join([*told, *[f"… and {more} more"] * (more > 0)]))
 
-    def _lines(self, told: Iterable[tuple[Where, str]], most: int | None = None) -> list[str]:
-        """The first sentences, in the order of the file, each with file and line; only these are located."""
-        known = sorted(told, key=lambda each: (self._order.of(each[0]), each[1]))[:most]
+    def _first(self, told: Iterable[tuple[Where, str]], most: int | None = None) -> list[tuple[Where, str]]:
+        """The first places and sentences in the order of the file."""
+        return sorted(told, key=lambda each: (self._order.of(each[0]), each[1]))[:most]
+
+    def _lines(self, told: Iterable[tuple[Where, str]]) -> list[str]:
+        """The sentences, in the order of the file, each with file and line."""
+        known = self._first(told)
         lines = lines_of(self.text, [where for where, _ in known])
         return [str(self._at(line, words)) for line, (_, words) in zip(lines, known, strict=True)]
 

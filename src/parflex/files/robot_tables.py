@@ -14,7 +14,7 @@ from parflex.files.leg_tables import chain_parts, placed_leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
 from parflex.files.robot_schema import HomeTable, RobotTable
-from parflex.files.standing import joints_at_home
+from parflex.files.standing import joints_at_home, settled
 from parflex.files.tables import rotation_of
 from parflex.robot.leg import Leg
 from parflex.robot.payload import Payload
@@ -34,7 +34,7 @@ def robot_of_legs(reader: Reader, table: RobotTable) -> Robot:
     legs = [placed_leg(reader, number, row, parts) for number, row in enumerate(table.leg)]
     body = laden_platform(reader, table)
     reader.stop()
-    robot = joined_robot(reader, legs, body, table.gravity, home)
+    robot = reader.must(("home",), settled, joined_robot(reader, legs, body, table.gravity, home))
     return with_springs_at_rest(reader, table, robot)
 
 

@@ -9,7 +9,7 @@ from parflex.base.errors import OutOfReach
 from parflex.mechanics.closure import ALL, POSE, closed, closure_matrix, displaced, units
 from parflex.mechanics.flat_state import flat_state
 from parflex.mechanics.mechanism import Mechanism, Rows, mechanism_of
-from parflex.mechanics.system import assembled
+from parflex.mechanics.system import assembled, examined
 from parflex.robot.robot import Robot
 
 # what is left of a unit row when the others are taken out; where rows are dependent at every state, as those
@@ -66,6 +66,7 @@ def generic_matrices(mechanism: Mechanism) -> list[Array]:
     if not gap <= 1e-9 * size:
         home, gap = closed(mechanism, home, ALL)
     if not gap <= 1e-9 * size:
+        check_reach(mechanism)
         raise OutOfReach(
             f"at the home pose a gap of {gap:.3g} m remains between a leg and its attachment; move the home "
             f"pose or the legs, or give each leg a posture near its joint values there"
@@ -79,6 +80,17 @@ def generic_matrices(mechanism: Mechanism) -> list[Array]:
             x = home
         found.append(closure_matrix(assembled(mechanism, x)))
     return found
+
+
+def check_reach(mechanism: Mechanism) -> None:
+    """Raise OutOfReach where a leg cannot reach its attachment at home."""
+    reach = examined(mechanism, flat_state(mechanism, mechanism.robot.home))[1][mechanism.health.reach]
+    short = np.flatnonzero(~(reach >= 0))
+    if len(short):
+        raise OutOfReach(
+            f"at home leg {short[0] + 1} cannot reach its attachment; move the home pose or the leg, or "
+            f"give its links other lengths"
+        )
 
 
 def independent(G: Array) -> Array:

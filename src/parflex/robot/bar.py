@@ -49,6 +49,8 @@ class Bar:
 
     def __post_init__(self) -> None:
         check_fields(self)
+        if self.inner is not None and self.outer is None:
+            raise InputError(f"Bar.inner is {self.inner}, without outer; give the outer diameter, too")
         if self.inner is not None and not self.inner < (self.outer or 0.0):
             raise InputError(f"Bar.inner is {self.inner}; it must be less than outer, which is {self.outer}")
         if self.mass is not None and self.density is not None:

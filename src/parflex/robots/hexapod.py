@@ -120,13 +120,18 @@ def usual_strut(length: float) -> Strut:
 
 
 def attachments_at(body: FlexibleBody, joints: Array, radius: float) -> list[int]:
-    """The attachment at each of the joints (6, 3) m of Σp; raises InputError where a body has none."""
+    """The attachment at each of the joints (6, 3) m of Σp, each held once; raises InputError where a body has
+    none."""
     points = body.attachment_points
     if len(points) < 6:
-        raise InputError(f"platform has {len(points)} attachments; a hexapod holds six, one at each joint")
-    found = []
+        raise InputError(
+            f"platform has {len(points)} attachments; a hexapod holds six, one at each joint: where two "
+            f"joints coincide, list the node twice among the body's attachments"
+        )
+    found: list[int] = []
     for number, joint in enumerate(joints):
         distance = np.linalg.norm(points - joint, axis=1)
+        distance[found] = np.inf
         nearest = int(np.argmin(distance))
         if distance[nearest] > NEAR * radius:
             lift = points[nearest][2] - joint[2]
@@ -134,8 +139,8 @@ def attachments_at(body: FlexibleBody, joints: Array, radius: float) -> list[int
             remedy = f"give platform_offset = {points[nearest][2]:.4g}" if level else "move one of them"
             raise InputError(
                 f"platform has no attachment at the joint of leg {number + 1}, {listed(joint)} m; the "
-                f"nearest, {nearest}, is {distance[nearest]:.4g} m away at {listed(points[nearest])} m; "
-                f"{remedy}"
+                f"nearest that no leg holds, {nearest}, is {distance[nearest]:.4g} m away at "
+                f"{listed(points[nearest])} m; {remedy}"
             )
         found.append(nearest)
     return found

@@ -51,11 +51,13 @@ class HexapodGeometry:
     def __post_init__(self) -> None:
         check_fields(self)
         for name in ("base_spread", "platform_spread"):
-            angle = np.degrees(getattr(self, name))
+            value = float(getattr(self, name))
+            angle = np.degrees(value)
             if angle > 120 - 1e-6:
+                slip = f'; did you mean "{value:.6g} deg"?' if value == round(value, 6) else ""
                 raise InputError(
                     f"{name} is {angle:.4g} deg, so that joints of neighbouring pairs coincide or change "
-                    f"places; give less than 120 deg"
+                    f"places; give less than 120 deg{slip}"
                 )
         self._check_proportions()
         self._check_stiffness()

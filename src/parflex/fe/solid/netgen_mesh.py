@@ -67,7 +67,8 @@ def outline_mesh(
     elements; by default it is chosen for some 32,000 unknowns, at most 35,000. Around the points fine_at
     (k, 3) m they are at most `fine` m.
 
-    Raises InputError for outlines that cross themselves, and where Netgen is not installed.
+    Raises InputError for outlines that cross themselves, a thickness or sizes that Netgen finds no mesh for,
+    and where it is not installed.
     """
     occ = netgen()
     half = 0.5 * positive("thickness", thickness)
@@ -237,16 +238,23 @@ def drawing(shape: Any) -> bytes:
 
 
 def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> SolidMesh:
-    """Netgen's second-order elements."""
-    from netgen.meshing import MeshingParameters
+    """Netgen's second-order elements. Raises InputError where Netgen finds none."""
+    from netgen.meshing import MeshingParameters, SetMessageImportance
     from netgen.occ import OCCGeometry
 
     settings = MeshingParameters(maxh=size)
     for point in near:
         settings.RestrictH(*map(float, point), h=fine)
-    with waiting(f"meshing with elements of {size:.3g} m"):
-        mesh = OCCGeometry(shape).GenerateMesh(settings)
-        mesh.SecondOrder()
+    SetMessageImportance(0)
+    try:
+        with waiting(f"meshing with elements of {size:.3g} m"):
+            mesh = OCCGeometry(shape).GenerateMesh(settings)
+            mesh.SecondOrder()
+    except Exception as error:  # Netgen's own kind
+        raise InputError(
+            f"Netgen finds no mesh of the solid with elements of {size:.3g} m "
+            f"({(str(error) or type(error).__name__).splitlines()[0]}); check the units of its sizes, or give another size of elements"
+        ) from None
     cells = mesh.Elements3D().NumPy()
     names = [mesh.GetMaterial(k + 1) for k in range(int(np.max(cells["index"], initial=0)))]
     number = np.array([int(name.removeprefix("part ")) for name in names])
