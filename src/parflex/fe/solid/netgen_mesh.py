@@ -251,9 +251,10 @@ def tetrahedra(shape: Any, size: float, near: Array, fine: float | None) -> Soli
             mesh = OCCGeometry(shape).GenerateMesh(settings)
             mesh.SecondOrder()
     except Exception as error:  # Netgen's own kind
+        words = (str(error) or type(error).__name__).splitlines()[0]
         raise InputError(
-            f"Netgen finds no mesh of the solid with elements of {size:.3g} m "
-            f"({(str(error) or type(error).__name__).splitlines()[0]}); check the units of its sizes, or give another size of elements"
+            f"Netgen finds no mesh of the solid with elements of {size:.3g} m ({words}); check the units of "
+            f"its sizes, or give another size of elements"
         ) from None
     cells = mesh.Elements3D().NumPy()
     names = [mesh.GetMaterial(k + 1) for k in range(int(np.max(cells["index"], initial=0)))]
