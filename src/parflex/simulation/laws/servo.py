@@ -1,6 +1,6 @@
 """The servos of the legs: each actuated joint follows the length or angle that the trajectory asks for."""
 
-from dataclasses import dataclass, replace
+from dataclasses import KW_ONLY, dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -59,6 +59,7 @@ class Servo(Controller):
 
     model: Model
     trajectory: Trajectory
+    _: KW_ONLY
     kp: Given = held(default=None)
     kd: Given = held(default=None)
     ki: Given = held(default=0.0)
@@ -103,7 +104,7 @@ class Servo(Controller):
     @classmethod
     def planned(cls, table: Any, model: Model, start: Start, way: Trajectory) -> "Servo":
         """The servos along the trajectory."""
-        return cls(model, way, table.kp, table.kd, table.ki, table.rate)
+        return cls(model, way, kp=table.kp, kd=table.kd, ki=table.ki, rate=table.rate)
 
     def wanted_joints(self, t: Array) -> Array:
         """The actuated joints q_r (T, m) at times (T,)."""
