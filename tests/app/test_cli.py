@@ -98,13 +98,16 @@ def test_help_names_the_importers_and_their_files(parflex):
         (("paper", "--format", "bmp"), "--format is 'bmp'"),
         (("modes", "-c", "0;0"), "--corner is '0;0'"),
         (("modes", "-c", "0,0", "-c", "1,0", "--thickness", "1 cm", "-m", "steel"), "polygon has 2 corners"),
-        (("modes", "plate.step"), "--attach is not given"),
+        (("modes", "plate.step"), "--material is not given; name one of"),
+        (("modes", "plate.step", "-m", "steel"), "--attach is not given"),
         (("modes", "plate.vtu", "-a", "0,0,0", "-m", "steel"), "unit is not given"),
         (("modes", "plate.step", "-a", "0,0"), "--attach is '0,0'; write it as \"x,y,z\""),
-        (("modes", "none.step", "-a", "0,0,0", "-m", "steel"), "none.step cannot be read"),
+        (("modes", "none.step", "-a", "0,0,0", "-m", "steel"), "none.step: there is no such file"),
     ],
 )
 def test_errors_are_one_sentence(parflex, tmp_path, words, message):
+    for name in ("plate.step", "plate.vtu"):
+        (tmp_path / name).touch()
     code, out, err = parflex(*words)
     assert code == 2
     assert message in err
