@@ -66,6 +66,9 @@ def test_at_any_instant_it_says_so_and_what_is_kept(folder, name):
         told, said = process.communicate()
         if not early:  # it was quicker this time
             continue
+        if process.returncode == 0:  # Ctrl-C came when all was done
+            assert "see it move" in told or "holds the platform" in told, said
+            continue
         assert process.returncode == 130, said
         assert "Traceback" not in said
         last = said.strip().splitlines()[-1]

@@ -53,7 +53,9 @@ class Growth(Observer):
         return np.array(self._t), np.array(self._states)
 
     def _look(self, t: float, y: Array) -> None:
-        """Note the energies in y (size,) at a time."""
+        """Note the energies in y (size,) at a time; a state that is no number is no state."""
+        if not np.all(np.isfinite(y)):
+            return
         at, body = self._mechanism.layout.at, self._mechanism.platform.body
         self._states.append(y.copy())
         twist = y[at.twist]
