@@ -66,6 +66,7 @@ def answers(read, path: Path) -> str:
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:Exception ignored in.*File.close")  # h5netcdf on what it did not open
 @pytest.mark.parametrize("kind", DOORS)
 def test_spoilt_files_are_read_or_refused(whole, kind, tmp_path):
     rng = np.random.default_rng(5)

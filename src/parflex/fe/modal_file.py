@@ -176,13 +176,13 @@ def opened(path: Path) -> xr.Dataset:
             data = found.load()
     except Exception:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"file is {path.name}, which is damaged or no modal file; write it again") from None
-    if data.attrs.get("format") != FORMAT:
+    if str(data.attrs.get("format")) != FORMAT:  # of a damaged file it may be an array
         raise InputError(f"file is {path.name}, which holds no platform of format {FORMAT!r}")
     missing = [name for name in MOMENTS | FIELDS if name not in data and name not in OPTIONAL]
     if missing:
         raise InputError(f"file is {path.name}, which lacks {', '.join(missing)}; write it again")
     try:
-        whole = data.attrs.get("checksum") == checksum(data)
+        whole = str(data.attrs.get("checksum")) == checksum(data)
     except (ValueError, TypeError):  # words for numbers
         whole = False
     if not whole:

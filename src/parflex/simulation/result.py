@@ -94,7 +94,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         reason = str(error).split(" (")[0].splitlines()[0] if str(error) else type(error).__name__
         raise InputError(f"{path} is damaged or no NetCDF-4 file: {reason}") from None
-    if dataset.attrs.get("format") != FORMAT:
+    if str(dataset.attrs.get("format")) != FORMAT:  # of a damaged file it may be an array
         raise InputError(
             f"{path} is no result of this version of parflex (format "
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"

@@ -81,13 +81,13 @@ def damage(words: str) -> str:
 def judged(dataset: xr.Dataset) -> Opened:
     """A dataset with what is to be said about it."""
     notes = []
-    version = dataset.attrs.get("format")
+    version = str(dataset.attrs.get("format"))  # of a damaged file it may be an array
     if version != FORMAT:
         notes.append(
             f"This file has format {version!r}, this parflex reads {FORMAT!r}: what both know is shown."
         )
-    if dataset.attrs.get("partial"):
-        why = dataset.attrs.get("stopped") or "for a reason that the file does not tell"
+    if np.any(dataset.attrs.get("partial")):
+        why = str(dataset.attrs.get("stopped", "")) or "for a reason that the file does not tell"
         notes.append(f"Partial: the run stopped {why}.")
     strange = misfits(dataset)
     if strange:
