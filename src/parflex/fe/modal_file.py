@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
+from parflex.base.netcdf import loaded
 from parflex.base.version import __version__
 from parflex.base.writing import replacing
 from parflex.fe.body.basis import ComputedModes
@@ -172,8 +173,7 @@ def opened(path: Path) -> xr.Dataset:
     if not path.is_file():
         raise InputError(f"file is {path.name}, but {path} does not exist; it belongs beside the robot file")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as found:
-            data = found.load()
+        data = loaded(path)
     except Exception:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"file is {path.name}, which is damaged or no modal file; write it again") from None
     if str(data.attrs.get("format")) != FORMAT:  # of a damaged file it may be an array

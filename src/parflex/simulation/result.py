@@ -11,17 +11,20 @@ import xarray as xr
 
 from parflex.base.absent import absent
 from parflex.base.errors import InputError
+from parflex.base.netcdf import loaded
 from parflex.base.writing import replacing
 from parflex.robot.state import State
 
 FORMAT = "parflex-result-1"
-STATE = {  # the variables of states, and their dimensions beside time
+STATE = {  # the instants and the variables of states, with their dimensions beside time
+    "time": (),
     "position": ("axis",),
     "rotation": ("axis", "platform_axis"),
     "twist": ("component",),
     "elastic": ("mode",),
     "elastic_rate": ("mode",),
 }
+JOINTS = {name: ("leg", "joint_number") for name in ("joint", "joint_rate")}  # where a result tells them
 
 
 class Result:
@@ -55,8 +58,8 @@ class Result:
         if not isinstance(index, int | np.integer) or not -count <= index < count:
             raise InputError(f"index is {index!r}; this result has {count} times, 0 … {count - 1}")
         at = self.dataset.isel(time=index)
-        arrays: dict[str, Any] = {name: at[name].values for name in STATE}
-        for name in ("joint", "joint_rate"):
+        arrays: dict[str, Any] = {name: at[name].values for name in STATE if name != "time"}
+        for name in JOINTS:
             if name in at:
                 arrays[f"{name}s"] = tuple(row[np.isfinite(row)] for row in at[name].values)
         return State(**arrays)
@@ -87,8 +90,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
     Raises InputError where the file is missing, truncated, or not a parflex result.
     """
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as opened:
-            dataset = opened.load()
+        dataset = loaded(path)
     except FileNotFoundError:
         raise InputError(absent(Path(path))) from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
@@ -99,14 +101,15 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             f"{path} is no result of this version of parflex (format "
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
         )
-    unfit = [name for name in STATE if not is_state(dataset, name)]
+    known = STATE | {name: dims for name, dims in JOINTS.items() if name in dataset}
+    unfit = [name for name, dims in known.items() if not is_state(dataset, name, dims)]
     if unfit or "stopped" not in dataset.attrs:
         lost = ", ".join(unfit) or "the word how the run ended"
         raise InputError(f"{path} is damaged: {lost} is not as it was saved; run it again")
     return Result(lambda: dataset, str(dataset.attrs["stopped"]))
 
 
-def is_state(data: xr.Dataset, name: str) -> bool:
-    """True where a variable is numbers over time, as a state has them."""
-    found = data.get(name)
-    return found is not None and found.dtype.kind in "iuf" and found.dims == ("time", *STATE[name])
+def is_state(data: xr.Dataset, name: str, dims: tuple[str, ...]) -> bool:
+    """True where a variable is numbers over time and these dimensions, as a state has them."""
+    found = data.variables.get(name)
+    return found is not None and found.dtype.kind in "iuf" and found.dims == ("time", *dims)

@@ -11,6 +11,7 @@ import xarray as xr
 
 from parflex.base.absent import absent
 from parflex.base.errors import InputError
+from parflex.base.netcdf import loaded
 from parflex.simulation.result import FORMAT
 from parflex.views.viewer.layout import KNOWN, misfits
 
@@ -42,13 +43,12 @@ def opened(path: Path) -> Opened:
     if path.is_dir():
         raise InputError(f"{path} is a folder; give a result in it, {path / 'result.nc'} for instance")
     try:
-        with xr.open_dataset(path, engine="h5netcdf") as data:
-            loaded = data.load()
+        dataset = loaded(path)
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except Exception as error:  # the HDF5 readers raise many kinds for a damaged file
         raise InputError(f"{path} {damage(str(error) or type(error).__name__)}") from None
-    return judged(loaded)
+    return judged(dataset)
 
 
 @contextmanager
