@@ -1,5 +1,7 @@
 """The observer of bending: a run whose modes take over diverges, whatever its first symptom."""
 
+from collections import deque
+
 import numpy as np
 
 from parflex.analysis.health import check_finite
@@ -16,6 +18,7 @@ FAR = 0.5  # of the platform's size: a deformation at an attachment that no line
 NOTED = 0.01  # of it: a deformation that can put a leg out of its reach
 TAKEN_OVER = 10.0  # elastic energy over the largest of all else that was seen before
 OUTGROWN = 1e3  # elastic energy over its median up to then
+KEPT = 200  # states that show how it came to the end
 PART = 1e6  # the part of the last energy from which its growth is told
 
 
@@ -24,9 +27,11 @@ class Growth(Observer):
 
     def __init__(self, core: Core, law: BoundLaw) -> None:
         self._mechanism, self._law = core.mechanism, law
+        moments = core.mechanism.platform.body.moments
+        self._inertia = np.trace(moments.P0) * np.eye(3) - moments.P0
         self._t: list[float] = []
-        self._states: list[Array] = []
         self._elastic: list[float] = []  # J
+        self._states: deque[Array] = deque(maxlen=KEPT)  # the last ones
         self._other = 0.0  # J, the largest kinetic energy of the platform as a whole
 
     def begin(self, y: Array) -> None:
@@ -50,7 +55,7 @@ class Growth(Observer):
         )
 
     def last_states(self) -> tuple[Array, Array]:
-        return np.array(self._t), np.array(self._states)
+        return np.array(self._t[-len(self._states) :]), np.array(self._states)
 
     def _look(self, t: float, y: Array) -> None:
         """Note the energies in y (size,) at a time; a state that is no number is no state."""
@@ -60,10 +65,8 @@ class Growth(Observer):
         self._states.append(y.copy())
         twist = y[at.twist]
         q, qd = y[at.elastic], y[at.elastic_rate]
-        inertia = np.trace(body.moments.P0) * np.eye(3) - body.moments.P0
-        self._other = max(
-            self._other, 0.5 * (body.moments.m * twist[:3] @ twist[:3] + twist[3:] @ inertia @ twist[3:])
-        )
+        v, omega = twist[:3], twist[3:]
+        self._other = max(self._other, 0.5 * float(body.moments.m * v @ v + omega @ self._inertia @ omega))
         self._t.append(t)
         self._elastic.append(0.5 * float(q @ (self._mechanism.platform.stiffness * q) + qd @ body.m_ee @ qd))
 
