@@ -11,7 +11,8 @@ from functools import cached_property
 import numpy as np
 
 from parflex.analysis.equilibrium import at_rest
-from parflex.analysis.mobility import null_space, scaled_closure
+from parflex.analysis.gains import gain_matrix
+from parflex.analysis.mobility import motions, null_space, scaled_closure
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
@@ -90,14 +91,10 @@ class SmallMotions:
 
     def joint_mobility(self) -> Array:
         """∂q̈_a/∂Γ (m, m) 1/kg of the robot whose platform does not bend."""
-        mechanism = self.functions.mechanism
-        output = FrameOutput()
-        G_r = self.functions(models.gains, output)(x=self.x)["rigid"].reshape(6, mechanism.n_forces)
-        bend = mechanism.layout.displacements.elastic
-        scale = np.delete(units(mechanism, ALL), bend)
-        Z = scale[:, None] * null_space(np.delete(scaled_closure(mechanism, self.x), bend, axis=1))
-        joints = np.delete(actuated_rows(mechanism), bend, axis=1) @ Z
-        found: Array = joints @ np.linalg.pinv(Z[:6]) @ G_r
+        mechanism, output = self.functions.mechanism, FrameOutput()
+        gain = gain_matrix(mechanism, output, self.functions(models.gains, output)(x=self.x)["rigid"])
+        unbent = motions(mechanism, scaled_closure(mechanism, self.x))
+        found: Array = unbent.actuated @ np.linalg.pinv(unbent.platform) @ gain
         return found
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.analysis.health import check_health, check_state
+from parflex.analysis.small_motions import SmallMotions, about
 from parflex.base.array import Array, split
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
@@ -41,6 +42,11 @@ class Core:
     def readable(self) -> Functions:
         """The functions on NumPy: for what is asked once, and not worth compiling."""
         return Functions(self.mechanism, choose("numpy"), Parameters(self.robot, ()))
+
+    @cached_property
+    def at_home(self) -> SmallMotions:
+        """The small motions about the equilibrium at home; raises as `equilibrium.at_rest`."""
+        return about(self.readable, self.robot.home)
 
     def at(self, theta: Array) -> "Core":
         """The core at other values θ (P,) of the parameters; it shares all compiled functions.

@@ -3,7 +3,6 @@
 from typing import NamedTuple
 
 from parflex.analysis.mobility import motions, rank, scaled_closure
-from parflex.analysis.small_motions import about
 from parflex.mechanics.output import FrameOutput
 from parflex.model.core import core_of
 from parflex.model.model import Model
@@ -29,7 +28,7 @@ def default_control(model: Model, way: Trajectory) -> Choice:
     if core.mechanism.layout.carried:
         why = "the legs' servos need legs with closed-form inverse geometry"
         return Choice(held_frame(model, way), why)
-    locked = decisive(about(core.readable, core.robot.home).locked_poles())
+    locked = decisive(core.at_home.locked_poles())
     if grows(locked):
         return Choice(held_frame(model, way), buckling(locked))
     return Choice(Servo(model, way))

@@ -87,7 +87,7 @@ class Servo(Controller):
     def verdict(self, state: State | None = None) -> Verdict:
         """The verdict on the servos about the equilibrium in the pose of a state, by default home."""
         core = core_of(self.model)
-        motions = about(core.readable, core.robot.home if state is None else state)
+        motions = core.at_home if state is None else about(core.readable, state)
         found = servo_verdict("servo", motions, self.kp, self.kd, self.ki)
         return replace(found, words=f"{found.words} (kp {span(self.kp)}, kd {span(self.kd)})")
 

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.analysis.small_motions import about
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.model.core import Core
@@ -28,7 +27,7 @@ def default_gains(core: Core) -> Gains:
     accelerates its joint by one unit while the other motors are free and the platform does not bend,
     1 / (∂q̈_a/∂Γ)_ii: the mean square of the closed loop's frequencies then is the square of the servo's.
     """
-    motions = about(core.readable, core.robot.home)
+    motions = core.at_home
     mass = 1.0 / np.diag(motions.joint_mobility())
     omega = min(SERVO, 0.5 * lowest(motions.locked_poles()))
     return Gains(mass * omega**2, 2 * ZETA * omega * mass)
@@ -45,7 +44,7 @@ def check_sampled(core: Core, kp: Array, kd: Array, ki: Array, rate: float) -> N
 
     The forces are held from sample to sample, of joints and rates that are measured without delay.
     """
-    mobility = about(core.readable, core.robot.home).joint_mobility()
+    mobility = core.at_home.joint_mobility()
 
     def radius(part: float) -> float:
         return sampled_radius(mobility, part**2 * kp, part * kd, part**3 * ki, 1.0 / rate)
