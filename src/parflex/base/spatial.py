@@ -127,3 +127,14 @@ def within_half_a_turn(angle: Array) -> Array:
     -90.0
     """
     return np.remainder(angle + np.pi, 2 * np.pi) - np.pi
+
+
+def axial(X: Array) -> Array:
+    """(X_32 − X_23, X_13 − X_31, X_21 − X_12): for X = ∫ a bᵀ this is ∫ b × a."""
+    return stack(
+        [
+            X[..., 2, 1] - X[..., 1, 2],
+            X[..., 0, 2] - X[..., 2, 0],
+            X[..., 1, 0] - X[..., 0, 1],
+        ]
+    )

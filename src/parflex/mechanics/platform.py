@@ -16,11 +16,11 @@ from parflex.base.array import (
     mtv,
     mv,
     skew,
-    stack,
     trace,
     transpose,
     without_roundoff,
 )
+from parflex.base.spatial import axial
 from parflex.base.unroll import contract
 from parflex.robot.body import FlexibleBody
 from parflex.robot.moments import Moments
@@ -92,17 +92,6 @@ def contractions(platform: Platform, q_e: Array, qd_e: Array) -> Contractions:
     """G_k = P1_k + Σ_j q_j P2_kj, and the axial part of the same sum of rates."""
     by_second = np.swapaxes(platform.moments.P2, 0, 1)
     return Contractions(platform.moments.P1 + contract(q_e, by_second), contract(qd_e, axial(by_second)))
-
-
-def axial(X: Array) -> Array:
-    """(X_32 − X_23, X_13 − X_31, X_21 − X_12): for X = ∫ a bᵀ this is ∫ b × a."""
-    return stack(
-        [
-            X[..., 2, 1] - X[..., 1, 2],
-            X[..., 0, 2] - X[..., 2, 0],
-            X[..., 1, 0] - X[..., 0, 1],
-        ]
-    )
 
 
 def platform_terms(

@@ -6,6 +6,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array, block, skew
 from parflex.base.check import exactly, finite
 from parflex.base.errors import InputError
+from parflex.base.spatial import axial
 from parflex.robot.moments import Moments
 
 
@@ -49,19 +50,12 @@ def free_vibration(moments: Moments, stiffness: Array, damping: Array) -> tuple[
     They are those of the modes themselves where these are free–free, and differ where a payload or a choice
     of shapes couples them: K v = ω² (m_ee − A_reᵀ A_rr⁻¹ A_re) v, at rest and unbent.
     """
+    from scipy.linalg import eigh
+
     first, turning = skew(moments.MS0), np.trace(moments.P0) * np.eye(3) - moments.P0
     A_rr = block([[moments.m * np.eye(3), -first], [first, turning]])
     A_re = np.concatenate([moments.S, axial(moments.P1).T])
     M = modal_mass(moments) - A_re.T @ np.linalg.pinv(A_rr) @ A_re
-    root = np.linalg.inv(np.linalg.cholesky(M))
-    values, v = np.linalg.eigh(root @ np.diag(stiffness) @ root.T)
-    omega = np.sqrt(np.maximum(values, 0.0))
-    lost = np.sum(v * (root @ np.diag(damping) @ root.T @ v), axis=0)
+    values, v = eigh(np.diag(stiffness), M)
+    omega, lost = np.sqrt(np.maximum(values, 0.0)), damping @ v**2
     return omega, np.divide(lost, 2 * omega, out=np.zeros(len(omega)), where=omega > 0)
-
-
-def axial(G: Array) -> Array:
-    """∫ r × Φ_k dm (…, 3) of ∫ Φ_k rᵀ dm (…, 3, 3)."""
-    return np.stack(
-        [G[..., 2, 1] - G[..., 1, 2], G[..., 0, 2] - G[..., 2, 0], G[..., 1, 0] - G[..., 0, 1]], axis=-1
-    )

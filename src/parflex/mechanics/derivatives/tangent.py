@@ -10,12 +10,13 @@ import numpy as np
 
 from parflex.base.array import Array, block, cross, join, merged, mtv, mv, skew, stack, transpose
 from parflex.base.dual import jacobian
+from parflex.base.spatial import axial
 from parflex.base.unroll import contract, solve_definite
 from parflex.mechanics import chain
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.platform import Platform, axial, contractions
+from parflex.mechanics.platform import Platform, contractions
 from parflex.mechanics.system import LegTerms
 from parflex.robot.layout import Coordinates
 

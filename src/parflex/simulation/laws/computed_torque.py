@@ -13,6 +13,7 @@ from parflex.base.check import finite, of_type
 from parflex.base.dual import jacobian
 from parflex.base.errors import InputError
 from parflex.base.held import Given
+from parflex.base.spatial import axial
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
@@ -21,7 +22,6 @@ from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput, Output
-from parflex.mechanics.platform import axial
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.core import core_of
