@@ -3,11 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from parflex.analysis.health import OFF
 from parflex.base.array import Array
 from parflex.base.errors import InputError, NotConverged
+from parflex.base.spatial import vector_from_rotation
 from parflex.mechanics.flat_state import flat_state, projected, state_of, turned
 from parflex.mechanics.mechanism import Mechanism, mechanism_of
 from parflex.mechanics.system import examined
@@ -64,9 +64,8 @@ def nearest_home(mechanism: Mechanism) -> str:
         found = state_of(mechanism, projected(mechanism, mechanism.robot.home))
     except NotConverged:
         return "correct the places of the legs and of the attachments, or move home"
-    place, turn = (
-        np.round(v, 9).tolist() for v in (found.position, Rotation.from_matrix(found.rotation).as_rotvec())
-    )
+    turned_by = vector_from_rotation(np.asarray(found.rotation))
+    place, turn = (np.round(v, 9).tolist() for v in (found.position, turned_by))
     return f"correct the legs, or give the nearest home, position = {place}, rotation = {turn}"
 
 
