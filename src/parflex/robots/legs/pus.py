@@ -6,17 +6,15 @@ from typing import ClassVar
 import numpy as np
 
 from parflex.base import kinds
-from parflex.base.check import NOT_NEGATIVE
 from parflex.base.held import Given
-from parflex.robot.bar import Bar
-from parflex.robot.fields import given, part
+from parflex.robot.fields import given
 from parflex.robot.leg import Joint, Tip
-from parflex.robot.strut import Drive
 from parflex.robots.legs.base import LegKind, bar_link, length_of, towards
+from parflex.robots.legs.rail import RAIL, Railed
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
-class PUS(Drive, LegKind):
+class PUS(Railed, LegKind):
     """A carriage of mass `carriage` kg and a rod; the platform holds the rod by a spherical joint.
 
     `rail` (3,) in Σ0i is the direction in which the joint value grows, from the origin. The rod must not
@@ -24,12 +22,7 @@ class PUS(Drive, LegKind):
     """
 
     word: ClassVar[str] = "PUS"
-    sigma: ClassVar[int] = 1
-    carriage: float = given(kinds.MASS, "the mass of the carriage", NOT_NEGATIVE)
-    rod: Bar = part(Bar, "the bar from the carriage; its length is that between its joints")
-    rail: Given = given(
-        kinds.NUMBER, "direction of the rail, in the leg's frame", default=(1.0, 0.0, 0.0), shape=(3,)
-    )
+    rail: Given = given(kinds.NUMBER, RAIL, default=(1.0, 0.0, 0.0), shape=(3,))
 
     @property
     def joints(self) -> tuple[Joint, ...]:
