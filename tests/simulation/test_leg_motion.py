@@ -170,12 +170,12 @@ BAD = {
     "out of reach": (
         lambda: pf.leg_motion(model("6-RUS"), moved("6-RUS", (0, 0, 5)), np.linspace(0, 1, 11)),
         pf.OutOfReach,
-        r"at t = 0\.\d s of the trajectory: pose: leg \d cannot reach its attachment",
+        r"trajectory at t = 0\.\d s: pose: leg \d cannot reach its attachment",
     ),
     "off the closure": (
         lambda: pf.leg_motion(model("3-RPS"), moved("3-RPS", (0.1, 0, 0)), [0.0, 0.5]),
         pf.InputError,
-        r"at t = 0.5 s of the trajectory: state is off the closure: a gap of .* m between leg",
+        r"trajectory at t = 0.5 s: state is off the closure: a gap of .* m between leg",
     ),
     "states": (
         lambda: pf.leg_motion(

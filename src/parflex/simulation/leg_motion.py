@@ -1,5 +1,6 @@
 """The motion of the actuated joints along a trajectory: lengths of struts, angles of cranks."""
 
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -16,7 +17,7 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.model.core import Core, core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
-from parflex.simulation.trajectory import Trajectory
+from parflex.simulation.trajectory import Trajectory, check_along
 
 BLOCK = 4096  # instants at once, whose numbers the processor's cache holds
 
@@ -71,11 +72,7 @@ def moved(core: Core, trajectory: Trajectory, t: Array, like: State) -> Vectors:
     if core.mechanism.layout.carried:
         x = carrying(core, along(rows, t), like)
     found = core.functions(kernels.leg_motion)(x=x, time=t[:, None], row=rows)
-    try:
-        check_health(core.mechanism, found["health"])
-    except InputError:
-        for time, health in zip(t, found["health"], strict=True):
-            check_at(core.mechanism, time, health)
+    check_along(partial(check_health, core.mechanism), t, found["health"])
     check_finite(found["accelerations"])
     return found
 
@@ -94,14 +91,6 @@ def continuous(mechanism: Mechanism, q: Array) -> Array:
     turning = np.flatnonzero(~mechanism.slides[mechanism.driven][mechanism.force_order])
     angles = q[:, turning]
     return q + (np.unwrap(angles, axis=0) - angles) @ np.eye(q.shape[1])[turning]
-
-
-def check_at(mechanism: Mechanism, time: float, health: Array) -> None:
-    """Raise an error, with the time, where the state is not one of the robot."""
-    try:
-        check_health(mechanism, health)
-    except InputError as error:
-        raise type(error)(f"at t = {time:.6g} s of the trajectory: {error}") from None
 
 
 def check_determined(mechanism: Mechanism) -> None:

@@ -1,6 +1,7 @@
 """Trajectories: moves one after the other, at rest between them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -188,3 +189,22 @@ def between(start: Pose, moves: Sequence[Move]) -> tuple[Array, Array, Array]:
         np.stack([pose.rotation for pose in poses]),
         np.array(times),
     )
+
+
+def check_along(check: Callable[[Array], None], t: Array, rows: Array) -> None:
+    """Raise the InputError that `check` has of some of the rows (T, n), with the first of the times (T,)."""
+    try:
+        check(rows)
+    except InputError:
+        for time, row in zip(t, rows, strict=True):
+            with told_at(time):
+                check(row)
+
+
+@contextmanager
+def told_at(time: float) -> Iterator[None]:
+    """An InputError within is told with the time (s) on the trajectory."""
+    try:
+        yield
+    except InputError as error:
+        raise type(error)(f"trajectory at t = {time:.6g} s: {error}") from None

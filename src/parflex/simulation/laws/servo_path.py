@@ -1,7 +1,6 @@
 """A trajectory as the legs' servos read it: the platform's bend along it, and whether the legs reach."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -9,12 +8,11 @@ import numpy as np
 from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.health import check_legs
 from parflex.base.array import Array
-from parflex.base.errors import InputError
 from parflex.mechanics.system import System, health
 from parflex.model.core import Core
 from parflex.robot.state import State
 from parflex.simulation.laws.servo_motion import reference
-from parflex.simulation.trajectory import Trajectory
+from parflex.simulation.trajectory import Trajectory, check_along, told_at
 
 INSTANTS = 50  # in each segment, at which the legs' reach is looked at
 
@@ -25,7 +23,9 @@ def sagging(core: Core, way: Trajectory) -> Array:
     The bends are those of the equilibria in the poses where segments meet.
     """
     times = way.starts[1:]
-    found = np.stack([bend_at(core, way, time) for time in times])
+    poses = np.stack([np.append(*way.sample(time)[:2]) for time in times])
+    _, first, place = np.unique(np.round(poses, 12), axis=0, return_index=True, return_inverse=True)
+    found = np.stack([bend_at(core, way, time) for time in times[first]])[np.ravel(place)]
     bend = np.concatenate([found[:1], found])
     change = np.concatenate([0 * found[:1], np.diff(found, axis=0), 0 * found[:1]])
     start = np.append(times[0], times)
@@ -39,15 +39,6 @@ def bend_at(core: Core, way: Trajectory, time: float) -> Array:
     with told_at(time):
         x, _ = at_rest(core.readable, "trajectory", State(pose.position, pose.rotation))
     return x[core.mechanism.layout.at.elastic]
-
-
-@contextmanager
-def told_at(time: float) -> Iterator[None]:
-    """An error within is told with the time on the trajectory."""
-    try:
-        yield
-    except InputError as error:
-        raise type(error)(f"trajectory at t = {time:.4g} s: {error}") from None
 
 
 def wanted_system(core: Core, way: Trajectory, rows: Array, t: Array) -> System:
@@ -64,6 +55,4 @@ def check_reach(core: Core, way: Trajectory, rows: Array) -> None:
     stretches = pairwise(np.append(way.starts[1:], way.duration))
     t = np.unique(np.concatenate([np.linspace(*ends, INSTANTS) for ends in stretches]))
     found = health(wanted_system(core, way, rows, t))
-    for number, time in enumerate(t):
-        with told_at(time):
-            check_legs(core.mechanism, found[number])
+    check_along(partial(check_legs, core.mechanism), t, found)
