@@ -1,8 +1,9 @@
 """The tables of a trajectory file, format "parflex-trajectory-1"."""
 
 from dataclasses import MISSING, fields
-from functools import cache
-from typing import Annotated, Any, Literal, Union, cast
+from functools import cache, reduce
+from operator import or_
+from typing import Annotated, Any, Literal, cast
 
 from pydantic import Discriminator, Field, Tag, create_model, model_validator
 
@@ -66,7 +67,7 @@ def trajectory_table(
 ) -> type[PlanTable]:
     """The table of a whole file whose [controller] is one of some laws, and whose moves are of some kinds."""
     tables = tuple(table_of(law) for law in laws if law.kind)
-    one_of: Any = Union[tables]  # noqa: UP007
+    one_of: Any = reduce(or_, tables)
     one_move: Any = move_table(moves)
     words = "the table [controller]; by default the legs' servos, where they can hold the robot"
     entries: dict[str, Any] = {

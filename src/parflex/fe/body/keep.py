@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from threading import RLock
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from parflex.base import cache
 from parflex.base.array import Array
@@ -17,14 +17,14 @@ class Memory:
 
     def __init__(self) -> None:
         self._lock = RLock()
-        self._known: dict[str, object] = {}
+        self._known: dict[str, Any] = {}
 
     def recall(
         self, key: str, compute: Callable[[], Answer], enough: Callable[[Answer], bool] = lambda _: True
     ) -> Answer:
         """The answer known by that key where it is `enough`, else a new one."""
         with self._lock:
-            known: Answer | None = self._known.get(key)  # type: ignore[assignment]
+            known: Answer | None = self._known.get(key)
             if known is None or not enough(known):
                 known = self._known[key] = compute()
                 while len(self._known) > ANSWERS:

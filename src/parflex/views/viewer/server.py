@@ -79,8 +79,10 @@ def server_of(
     page = LivePage(path, curves, modes)
 
     class Handler(BaseHTTPRequestHandler):
+        server: LiveServer
+
         def do_GET(self) -> None:
-            if self.headers.get("Host", "") not in self.server.names:  # type: ignore[attr-defined]
+            if self.headers.get("Host", "") not in self.server.names:
                 self.send_error(HTTPStatus.FORBIDDEN, "this server is called by other names")
                 return
             texts = {"/": ("text/html", page.text), STAMP: ("text/plain", page.stamp)}
