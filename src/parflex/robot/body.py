@@ -25,11 +25,13 @@ from parflex.robot.words import counted, modal
 
 @dataclass(frozen=True, eq=False)
 class FlexibleBody:
-    """A platform: moment tensors, modal stiffness and damping, nodes, and the nodes legs hold.
+    """A platform or a link: moment tensors, modal stiffness and damping, nodes, and those that others hold.
 
-    `nodes` (K, 3) m, `shapes` (N, K, 3) and `rotation_shapes` (N, K, 3) or None are in Σp;
-    `attachments` are node numbers; `stiffness` and `damping` are the diagonals of K_ee and D_ee;
-    `triangles` (T, 3) is a surface to draw. Built by `from_nodes`, `from_modes` or `rigid`.
+    `nodes` (K, 3) m, `shapes` (N, K, 3) and `rotation_shapes` (N, K, 3) or None are in Σp, those of a link
+    in its joint's frame; `attachments` are node numbers; `stiffness` and `damping` are the diagonals of K_ee
+    and D_ee; `triangles` (T, 3) is a surface to draw. `foreshortening` (attachments, 3, N, N) is H of a
+    link's attachments, which move by Φ_d e + ½ eᵀ H e. Built by `from_nodes`, `from_modes`, `rigid` or
+    `beam`.
     """
 
     moments: Moments
@@ -40,6 +42,7 @@ class FlexibleBody:
     damping: Array
     attachments: tuple[int, ...]
     triangles: Array | None = None
+    foreshortening: Array | None = None
 
     def __post_init__(self) -> None:
         count = len(self.nodes)
@@ -56,12 +59,15 @@ class FlexibleBody:
         damping_ratio: ArrayLike = 0.0,
         attachments: Sequence[int] | ArrayLike = (),
         rotation_shapes: ArrayLike | None = None,
+        *,
+        foreshortening: ArrayLike | None = None,
     ) -> "FlexibleBody":
         """A body of lumped nodal masses.
 
         positions (K, 3) m in Σp, masses (K,) kg, mass-normalised shapes (N, K, 3) kg^-½, natural
         frequencies (N,) rad/s, damping ratios scalar or (N,), attachments as node numbers or points,
-        rotation_shapes (N, K, 3) rad m⁻¹ kg^-½ where moments are to be applied.
+        rotation_shapes (N, K, 3) rad m⁻¹ kg^-½ where moments are to be applied; of a flexible link
+        foreshortening (attachments, 3, N, N), symmetric in its shapes.
 
         Raises InputError for wrong shapes, negative masses or frequencies, and where ΦᵀMΦ differs
         from 1 by more than 1e-3.
@@ -84,7 +90,9 @@ class FlexibleBody:
             )
         omega = natural_frequencies("frequencies", frequencies, len(Phi))
         stiffness, damping = modal_diagonals(moments, omega, damping_ratio)
-        return FlexibleBody(moments, r, Phi, turned, stiffness, damping, attachment_nodes(r, attachments))
+        nodes = attachment_nodes(r, attachments)
+        H = None if foreshortening is None else shortening(foreshortening, len(nodes), len(Phi))
+        return FlexibleBody(moments, r, Phi, turned, stiffness, damping, nodes, foreshortening=H)
 
     @staticmethod
     def from_modes(
@@ -176,6 +184,7 @@ class FlexibleBody:
             rotation_shapes=turned,
             stiffness=self.stiffness[kept],
             damping=self.damping[kept],
+            foreshortening=None if self.foreshortening is None else self.foreshortening[..., kept, :][..., kept],
         )
 
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:
@@ -232,6 +241,19 @@ class FlexibleBody:
         return without_roundoff(np.moveaxis(self.shapes[:, list(self.attachments)], 0, -1))
 
     @cached_property
+    def attachment_turns(self) -> Array:
+        """Φ_r(i) (k, 3, N); zero where the body has no rotation shapes."""
+        if self.rotation_shapes is None:
+            return np.zeros((len(self.attachments), 3, self.modes))
+        return without_roundoff(np.moveaxis(self.rotation_shapes[:, list(self.attachments)], 0, -1))
+
+    @cached_property
+    def attachment_shortening(self) -> Array:
+        """H (k, 3, N, N) of the attachments; zero where the body has none."""
+        H = self.foreshortening
+        return np.zeros((len(self.attachments), 3, self.modes, self.modes)) if H is None else H
+
+    @cached_property
     def size(self) -> float:
         """Root mean square distance of the attachments from their centre, m; 1 where that is zero."""
         points = self.attachment_points
@@ -245,6 +267,18 @@ class FlexibleBody:
         distance = np.linalg.norm(self.nodes, axis=1)
         nearest = int(np.argmin(distance))
         return nearest if distance[nearest] <= 1e-9 * np.max(distance) else None
+
+
+def shortening(given: ArrayLike, attachments: int, modes: int) -> Array:
+    """H (attachments, 3, N, N); raises InputError for another shape, or where it is not symmetric."""
+    H = exactly("foreshortening", given, (attachments, 3, modes, modes))
+    off = float(np.max(np.abs(H - np.swapaxes(H, -1, -2)), initial=0.0))
+    if off > 1e-9 * float(np.max(np.abs(H), initial=0.0)):
+        raise InputError(
+            f"foreshortening differs from its transpose in the shapes by {off:.2e}; give H with "
+            f"H[a, i, k, l] = H[a, i, l, k]"
+        )
+    return without_roundoff(0.5 * (H + np.swapaxes(H, -1, -2)))
 
 
 rigid_shapes = ((3, 0), (0, 3, 3), (0, 0, 3, 3))

@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,11 +17,15 @@ from parflex.base.check import (
     all_of_type,
     exactly,
     integer,
+    of_type,
     single_rotation,
 )
 from parflex.base.errors import InputError
 from parflex.base.held import Given, Held
-from parflex.robot.fields import about, check_fields, exact, held, number
+from parflex.robot.body import FlexibleBody
+from parflex.robot.fields import about, check_fields, exact, held, number, optional
+from parflex.robot.flexure import Flexure
+from parflex.robot.seats import Seats, seats
 from parflex.robot.words import listed, told
 
 
@@ -38,8 +42,13 @@ class Joint:
     `k` (q − q_0) act on the joint, the spring of a revolute joint within half a turn of `q_0`.
     `q_min` and `q_max` are reported where they are exceeded, not enforced.
 
+    A flexible link is a `body` instead of M, MS and I, given in the link's frame, at whose origin it is
+    clamped: shapes and rotations vanish there. Tips, and joints whose antecedent it is, sit at its
+    attachments, found by their place.
+
     Raises InputError where a value is not finite, a flag is not 0 or 1, M, IA, friction or k is
-    negative, v_s is not positive, I is not symmetric, or q_min is not below q_max.
+    negative, v_s is not positive, I is not symmetric, q_min is not below q_max, mass is given twice, or the
+    body has no attachments, or shapes that it needs.
     """
 
     antecedent: int = field(metadata=about(integer))
@@ -90,11 +99,14 @@ class Joint:
     )
     q_min: float = number(-np.inf, kinds.POSITION, "min", "lowest joint value; checked, not enforced")
     q_max: float = number(np.inf, kinds.POSITION, "max", "highest joint value; checked, not enforced")
+    body: FlexibleBody | None = held(optional(partial(of_type, kind=FlexibleBody)), default=None)
 
     def __post_init__(self) -> None:
         check_fields(self)
         if not self.q_min < self.q_max:
             raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
+        if self.body is not None:
+            check_link(self)
 
     __repr__ = told
 
@@ -102,11 +114,13 @@ class Joint:
 @dataclass(frozen=True, eq=False)
 class Tip:
     """A spherical joint to the platform: the point `offset` (3,) m of link `frame` (from 1; 0 is the
-    leg's base) holds the platform's attachment number `attachment` (from 0)."""
+    leg's base) holds the platform's attachment number `attachment` (from 0); `flexure` acts against its
+    turning."""
 
     frame: int = field(metadata=about(integer))
     offset: Given = held(exact((3,)), default=(0.0, 0.0, 0.0), kind=kinds.LENGTH)
     attachment: int = field(default=0, metadata=about(integer))
+    flexure: Flexure | None = held(optional(partial(of_type, kind=Flexure)), default=None)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -114,14 +128,15 @@ class Tip:
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """A rigid tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
+    """A tree of joints on the base, of rigid and flexible links: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
 
     Without joints it is a post, whose tips are on frame 0: spherical joints that stand on the base.
     `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
     solutions they name the branch, where it has no closed form they start Newton's method; without
     them it is the leg type's first branch, and zeros.
 
-    Raises InputError where the tree has a loop or a tip is on no link.
+    Raises InputError where the tree has a loop, a tip is on no link, or a joint or a tip on a flexible link
+    is at none of its attachments.
     """
 
     rotation: Given = held(single_rotation)
@@ -146,6 +161,7 @@ class Leg:
                 raise InputError(f"Tip.frame is {tip.frame}; this leg has {links} its base, frame 0")
         if self.posture is not None:
             object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
+        _ = self.seats  # raises
 
     def __repr__(self) -> str:
         held = ", ".join(str(tip.attachment) for tip in self.tips)
@@ -155,7 +171,24 @@ class Leg:
     def structure(self) -> tuple[object, ...]:
         """The properties that two legs must share to be computed in one pass."""
         joints = tuple((type(j), j.antecedent, j.sigma, j.mu) for j in self.joints)
-        return joints, tuple(t.frame for t in self.tips)
+        tips = tuple((t.frame, t.flexure is not None) for t in self.tips)
+        return joints, tips, self.modes, self.seats
+
+    @cached_property
+    def modes(self) -> tuple[int, ...]:
+        """The number of elastic coordinates of each link; zero for rigid ones."""
+        return tuple(0 if joint.body is None else joint.body.modes for joint in self.joints)
+
+    @cached_property
+    def seats(self) -> Seats:
+        """The attachments of flexible links at which joints and tips sit."""
+        bodies = [joint.body for joint in self.joints]
+        places = [placed(joint) for joint in self.joints]
+        antecedents = [joint.antecedent - 1 for joint in self.joints]
+        tips = [(tip.frame - 1, np.asarray(tip.offset)) for tip in self.tips]
+        found = seats(bodies, antecedents, places, tips)
+        check_turns(bodies, self.joints, self.tips)
+        return found
 
     @property
     def pattern(self) -> str:
@@ -171,6 +204,53 @@ class Leg:
     def word(self) -> str:
         """The joints as letters, R and P, the actuated ones underlined by a star: 'RRP*'; 'post' for none."""
         return "".join("RP"[j.sigma] + "*" * j.mu for j in self.joints) or "post"
+
+
+def placed(joint: Joint) -> tuple[Array, Array]:
+    """A point of a joint's axis, and its direction (3,), in the frame of the antecedent: of a joint that
+    turns its frame's origin, of one that slides where it is with r = 0."""
+    sg, cg, sa, ca = np.sin(joint.gamma), np.cos(joint.gamma), np.sin(joint.alpha), np.cos(joint.alpha)
+    axis = np.array([sg * sa, -cg * sa, ca])
+    foot = np.array([joint.d * cg, joint.d * sg, joint.b])
+    return foot + (0.0 if joint.sigma else joint.r) * axis, axis
+
+
+def check_link(joint: Joint) -> None:
+    """Raise InputError where a flexible link has a mass of its own as well, or is not clamped at its frame."""
+    body = joint.body
+    assert body is not None
+    if joint.M or np.any(joint.MS) or np.any(joint.I):
+        raise InputError(
+            f"Joint.M is {joint.M} beside body, which has {body.moments.m:.4g} kg of its own; give the mass, "
+            f"MS and I of a link either by its body or as numbers"
+        )
+    if not body.attachments:
+        raise InputError(
+            "Joint.body has no attachments; name the nodes at which its tips and the next joints sit"
+        )
+    at_origin = body.origin_node
+    if at_origin is None or not body.modes:
+        return
+    largest = float(np.max(np.abs(body.shapes)))
+    moved = float(np.max(np.abs(body.shapes[:, at_origin])))
+    if moved > 1e-6 * largest:
+        raise InputError(
+            f"Joint.body: its shapes move the origin of the joint's frame, by {moved / largest:.1e} of the "
+            f"largest displacement; a link is clamped there: give shapes that vanish, with their rotations"
+        )
+
+
+def check_turns(bodies: Sequence[FlexibleBody | None], joints: Sequence[Joint], tips: Sequence[Tip]) -> None:
+    """Raise InputError where a body without rotation shapes carries a joint, or a tip with a flexure."""
+    held = [(joint.antecedent, "joint") for joint in joints]
+    held += [(tip.frame, "tip with a flexure") for tip in tips if tip.flexure is not None]
+    for frame, what in held:
+        body = bodies[frame - 1] if frame else None
+        if body is not None and body.modes and body.rotation_shapes is None:
+            raise InputError(
+                f"the body of joint {frame} has no rotation shapes, but carries a {what}, whose turning they "
+                f"tell; give rotation_shapes to the body"
+            )
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:

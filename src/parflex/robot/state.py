@@ -43,6 +43,9 @@ class State:
     the platform imposes). For other legs they may be None; where given they name the assembly branch
     of a leg without a posture, and are checked against that of one with a posture.
 
+    leg_elastic and leg_elastic_rate, one (…, N_i) per leg, are the elastic coordinates of flexible links,
+    link by link, and their rates; None, of all legs or of one, stands for undeformed and at rest.
+
     Raises InputError for wrong shapes, values that are not finite, or a matrix that is no rotation.
 
     >>> states = State(position=[[0, 0, 1.0], [0, 0, 1.1]], rotation=np.eye(3), elastic=[1e-3, 0, 0])
@@ -57,6 +60,8 @@ class State:
     elastic_rate: Given = held(finite, default=0.0)
     joints: PerLeg = held(per_leg, default=None)
     joint_rates: PerLeg = held(per_leg, default=None)
+    leg_elastic: PerLeg = held(per_leg, default=None)
+    leg_elastic_rate: PerLeg = held(per_leg, default=None)
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -86,14 +91,14 @@ class State:
         parts = [chosen(value, core) for value, core in self._arrays()]
         legs = [
             None if values is None else tuple(chosen(value, 1) for value in values)
-            for values in (self.joints, self.joint_rates)
+            for values in self._by_leg()
         ]
         return State(*parts, *legs)
 
     @cached_property
     def batch(self) -> tuple[int, ...]:
         """The common leading axes."""
-        legs = [(value, 1) for values in (self.joints, self.joint_rates) for value in values or ()]
+        legs = [(value, 1) for values in self._by_leg() for value in values or ()]
         shapes = [value.shape[:-core] for value, core in (*self._arrays(), *legs) if value is not None]
         if not any(shapes):
             return ()
@@ -104,6 +109,10 @@ class State:
                 f"State: the leading (batch) axes of position, rotation, twist, elastic, "
                 f"elastic_rate and joints are {shapes}; they must broadcast together"
             ) from None
+
+    def _by_leg(self) -> tuple[tuple[Array | None, ...] | None, ...]:
+        """The fields of the legs."""
+        return self.joints, self.joint_rates, self.leg_elastic, self.leg_elastic_rate
 
     def _arrays(self) -> tuple[tuple[Any, int], ...]:
         """The platform's fields, with the number of axes of one item."""

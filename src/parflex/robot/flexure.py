@@ -1,0 +1,74 @@
+"""What a spherical joint that is a flexure does: a spring, a damper and friction against its turning."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base import kinds
+from parflex.base.array import Array
+from parflex.base.check import NOT_NEGATIVE, POSITIVE, single_rotation
+from parflex.base.errors import InputError
+from parflex.base.held import Given, MaybeGiven
+from parflex.robot.fields import check_fields, held, number, optional
+from parflex.robot.words import told
+
+
+@dataclass(frozen=True, eq=False)
+class Flexure:
+    """Stiffness, damping and friction of a tip against rotation; SI units and radians.
+
+    The energy is ½ θᵀ K θ with `stiffness` K (3, 3) N m/rad and θ = 2 tan(φ/2) times the axis of the
+    rotation from rest, which is that of the leg's section seen from the platform's; `damping` (3, 3)
+    N m s/rad acts on their relative angular velocity ω, and so does `friction` ω/√(ω² + v²) N m with
+    v = `friction_speed` rad/s. All are in the axes of the platform's section. `rest` (3, 3) is the rotation
+    without load, by default that at home.
+
+    Raises InputError where a matrix is not symmetric or has a negative direction, or friction is negative.
+    """
+
+    stiffness: Given = number(
+        np.zeros((3, 3)), kinds.ANGULAR_STIFFNESS, "stiffness", "K, in N m/rad", parameter=True
+    )
+    damping: Given = number(
+        np.zeros((3, 3)), kinds.ANGULAR_DAMPING, "damping", "D, in N m s/rad", parameter=True
+    )
+    friction: float = number(
+        0.0, kinds.TORQUE, "friction", "moment of constant size", NOT_NEGATIVE, parameter=True
+    )
+    friction_speed: float = number(
+        1e-3, kinds.TURN_RATE, "friction_speed", "over which `friction` changes sign", POSITIVE
+    )
+    rest: MaybeGiven = held(optional(single_rotation), default=None)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        for name in ("stiffness", "damping"):
+            check_not_negative(f"Flexure.{name}", getattr(self, name))
+
+    __repr__ = told
+
+    @staticmethod
+    def about(
+        axis: ArrayLike, *, bending: float = 0.0, torsion: float = 0.0, damping: float = 0.0
+    ) -> "Flexure":
+        """A flexure alike in all directions across an axis (3,): K = k_b (1 − n nᵀ) + k_t n nᵀ, N m/rad.
+
+        damping (N m s/rad) is the same in all directions.
+        """
+        n = np.asarray(axis, dtype=float)
+        along = np.outer(n, n) / (n @ n)
+        return Flexure(bending * (np.eye(3) - along) + torsion * along, damping * np.eye(3))
+
+
+def check_not_negative(name: str, matrix: Array) -> None:
+    """Raise InputError where a matrix is not symmetric, or has a direction in which it is negative."""
+    largest = float(np.max(np.abs(matrix)))
+    off = float(np.max(np.abs(matrix - matrix.T)))
+    if off > 1e-9 * largest:
+        raise InputError(f"{name} differs from its transpose by {off:.3g}; give a symmetric matrix")
+    lowest = float(np.linalg.eigvalsh(matrix)[0])
+    if lowest < -1e-9 * largest:
+        raise InputError(
+            f"{name} has the principal value {lowest:.3g}; it must not be negative in any direction"
+        )
