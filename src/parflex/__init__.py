@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     )
     from parflex.robot.bar import Bar as Bar
     from parflex.robot.body import FlexibleBody as FlexibleBody
+    from parflex.robot.flexure import Flexure as Flexure
     from parflex.robot.leg import Joint as Joint, Leg as Leg, Tip as Tip
     from parflex.robot.modes import Modes as Modes
     from parflex.robot.moments import Moments as Moments
@@ -89,6 +90,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
     "robot.bar": "Bar",
     "robot.body": "FlexibleBody",
+    "robot.flexure": "Flexure",
     "robot.leg": "Joint Leg Tip",
     "robot.modes": "Modes",
     "robot.moments": "Moments",

@@ -150,11 +150,8 @@ def test_leg_models(which):
         rows = leg.J.reshape(*leg.J.shape[:-2], -1, 3, leg.J.shape[-1])
         drift = leg.Jdqd.reshape(*leg.Jdqd.shape[:-1], -1, 3)
         tips = [
-            leg.group.origin
-            + (leg.group.rotation @ chain.tip_position(leg.frames, j, leg.group.offsets[:, t])[..., None])[
-                ..., 0
-            ]
-            for t, j in enumerate(leg.group.tip_frames)
+            leg.group.origin + (leg.group.rotation @ chain.tip_position(leg.frames, tip)[..., None])[..., 0]
+            for tip in leg.group.points(leg.joints.bend)
         ]
         found = {
             "leg_A": leg.A,

@@ -13,6 +13,7 @@ from parflex.base.errors import InputError, NotConverged
 from parflex.compiled.functions import Functions
 from parflex.mechanics import system as assembly
 from parflex.mechanics.flat_state import projected, state_of
+from parflex.mechanics.leg_terms import selection
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, examined
 from parflex.robot.state import State
@@ -102,7 +103,7 @@ def balance(mechanism: Mechanism, system: System, flat: Array) -> tuple[Array, A
     Legs: Jᵀ f − S Γ = −c; platform: W_p f = c_r.
     """
     Jt = assembly.diagonal([block_diagonal(transpose(leg.J)) for leg in system.legs])
-    selections = [np.stack([assembly.selection(leg.group)] * len(leg.group.legs)) for leg in system.legs]
+    selections = [np.stack([selection(leg.group)] * len(leg.group.legs)) for leg in system.legs]
     S = assembly.diagonal([block_diagonal(part) for part in selections])[:, mechanism.force_order]
     c = join([np.zeros(0), *(leg.c.reshape(-1) for leg in system.legs)])
     A = np.block([[Jt, -S], [system.W_p, np.zeros((6, S.shape[1]))]])

@@ -85,7 +85,7 @@ def same(mechanism: Mechanism, a: Array, b: Array) -> bool:
     """True where two flat states are one pose, with the same joints but for full turns."""
     layout, robot = mechanism.layout, mechanism.robot
     slides = [j.sigma for leg, n in zip(robot.legs, layout.joints, strict=True) if n for j in leg.joints]
-    apart = coordinates(a, layout).q - coordinates(b, layout).q
+    apart = coordinates(a, layout).s - coordinates(b, layout).s
     apart = np.where(np.array(slides, dtype=bool), apart, within_half_a_turn(apart))
     size = mechanism.size
     return max(distance(layout, a, b, size), np.max(np.abs(apart), initial=0.0)) < SAME * max(1.0, size)

@@ -1,7 +1,7 @@
 """Small motions about an equilibrium: ζ̈ = K ζ + C ζ̇ + B Γ, and the poles that are left under a law.
 
-ζ are coordinates of the motions T that the closure allows: of Σp, of the modes and of all joints. The
-actuated joints move by S ζ.
+ζ are coordinates of the motions T that the closure allows: of Σp, of the modes and of all coordinates of
+the legs. The actuated joints move by S ζ.
 """
 
 from collections.abc import Callable
@@ -17,7 +17,7 @@ from parflex.base.array import Array
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
 from parflex.kernels.motion import derivative
-from parflex.mechanics.closure import ALL, accelerated, actuated_rows, carried_part, displaced, units
+from parflex.mechanics.closure import EVERY, accelerated, actuated_rows, displaced, units
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput
 from parflex.robot.state import State
@@ -37,7 +37,7 @@ class SmallMotions:
 
     @cached_property
     def T(self) -> Array:
-        """(6 + N + n, d), the motions that the closure allows."""
+        """(6 + N + z, d), the motions that the closure allows."""
         return allowed(self.functions.mechanism, self.x)
 
     @cached_property
@@ -110,8 +110,8 @@ def poles(K: Array, C: Array) -> Array:
 
 
 def allowed(mechanism: Mechanism, x: Array, *more: Array) -> Array:
-    """Motions (6 + N + n, d) that the closure allows, and more rows (…, 6 + N + n) do not see."""
-    scale = units(mechanism, ALL)
+    """Motions (6 + N + z, d) that the closure allows, and more rows (…, 6 + N + z) do not see."""
+    scale = units(mechanism, EVERY)
     rows = [scaled_closure(mechanism, x), *(row * scale for row in more)]
     return scale[:, None] * null_space(np.vstack(rows))
 
@@ -129,14 +129,14 @@ def slopes(functions: Functions, x: Array, T: Array, forces: Forces) -> tuple[Ar
 
 
 def accelerations(functions: Functions, states: Array, forces: Array, load: Array) -> Array:
-    """The accelerations (…, 6 + N + n) of platform, modes and joints that are carried."""
+    """The accelerations (…, 6 + N + z) of platform, modes and joints that are carried."""
     at = functions.mechanism.layout.at
     rates = functions(derivative)(x=states, forces=forces, load=load)["rate"]
     return np.concatenate([rates[:, part] for part in (at.twist, at.elastic_rate, at.joint_rates)], axis=-1)
 
 
 def pseudo_inverse(functions: Functions, T: Array) -> Array:
-    """(d, 6 + N + n carried), from the accelerations of the state to those of the coordinates of T."""
+    """(d, 6 + N + z carried), from the accelerations of the state to those of the coordinates of T."""
     mechanism = functions.mechanism
     platform, joints = np.split(T, [mechanism.layout.displacements.joints.start])
-    return np.linalg.pinv(np.concatenate([platform, carried_part(mechanism, joints.T).T]))
+    return np.linalg.pinv(np.concatenate([platform, joints[mechanism.kept]]))

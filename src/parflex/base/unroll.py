@@ -15,8 +15,12 @@ DENSE = 2000  # entries of a table from which on a loop over it is shorter than 
 FEW = 4  # right-hand sides that are solved for one by one
 
 
-def contract(q: Array, tensor: Array) -> Array:
-    """Σ_k q_k tensor[k]: (…, N), (N, *shape) -> (…, *shape)."""
+def contract(q: Array, tensor: Array, lead: int = 0) -> Array:
+    """Σ_k q_k tensor[k]: (…, N), (N, *shape) -> (…, *shape); the tensor may have leading axes."""
+    if lead:
+        first, count, shape = tensor.shape[:lead], tensor.shape[lead], tensor.shape[lead + 1 :]
+        flat = np.matmul(q[..., None, :], tensor.reshape((*first, count, math.prod(shape))))[..., 0, :]
+        return flat.reshape(flat.shape[:-1] + shape)
     shape = tensor.shape[1:]
     table = tensor.reshape(len(tensor), math.prod(shape))
     used = np.flatnonzero(np.any(table != 0, axis=0))
@@ -46,12 +50,16 @@ def each(function: Callable[..., Any], rows: Sequence[Array], shared: Sequence[A
 
 
 def leaves(tree: Any) -> list[Array]:
-    """The arrays of a tree, from left to right."""
+    """The arrays of a tree, from left to right; None stands for no array."""
+    if tree is None:
+        return []
     return [tree] if isinstance(tree, np.ndarray) else [leaf for branch in tree for leaf in leaves(branch)]
 
 
 def regrown(tree: Any, found: Iterator[Array]) -> Any:
     """A tree of the same form with other arrays."""
+    if tree is None:
+        return None
     if isinstance(tree, np.ndarray):
         return next(found)
     branches = [regrown(branch, found) for branch in tree]

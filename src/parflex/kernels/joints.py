@@ -20,7 +20,7 @@ def joints(mechanism: Mechanism) -> Kernel:
         found = joints_of(system)
         return {"q": join(found.q), "qd": join(found.qd), "health": assembly.health(system)}
 
-    count = len(mechanism.slides)
+    count = sum(len(leg.joints) for leg in mechanism.robot.legs)
     return kernel("joints", function, mechanism, ("q", "qd", "health"), q=count, qd=count)
 
 

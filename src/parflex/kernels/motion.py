@@ -9,9 +9,10 @@ import numpy as np
 from parflex.base.array import Array, cross, dot, join, mv
 from parflex.base.spatial import quaternion_rate
 from parflex.kernels.kernel import Kernel, Vectors, kernel
-from parflex.mechanics import chain, dynamics
+from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.dynamics import Acceleration
+from parflex.mechanics.energy import dissipation
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.wrench import Place, pushed
@@ -79,16 +80,13 @@ def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, fou
     c, mechanism = system.x, system.mechanism
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
     rate = found.platform - join([cross(omega, v_p), np.zeros(3)])
-    lost = dot(c.elastic_rate, mechanism.platform.damping * c.elastic_rate)
-    for leg in system.legs:
-        lost = lost + np.sum(dot(leg.qd, chain.friction(leg.group.chain, leg.qd)), axis=-1)
     powers = [
         dot(forces, assembly.joint_rates(system)),
         dot(load[..., :6], c.twist) + dot(load[..., 6:], c.elastic_rate),
-        lost,
+        dissipation(system),
     ]
     turn = quaternion_rate(x[..., mechanism.layout.at.quaternion], omega)
-    carried = [c.qd, assembly.carried_accelerations(system, forces, found.contact)]
+    carried = [c.sd, assembly.carried_accelerations(system, forces, found.contact)]
     fixed = np.zeros(len(mechanism.layout.branched))
     moved = join([mv(c.rotation, v_p), turn, rate, c.elastic_rate, found.elastic, *carried, fixed])
     return {"rate": moved, "powers": join([power[..., None] for power in powers])}

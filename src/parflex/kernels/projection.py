@@ -24,12 +24,12 @@ def projection(mechanism: Mechanism) -> Kernel:
         gap_rate = join([np.zeros(0), *(merged(leg.gap_rate) for leg in system.legs)])
         pulls = contact.contact_forces(mechanism, held.C, stack([gap, gap_rate]))
         (pose, bend), c = dynamics.acceleration_map(system, held, pulls), system.x
-        q, qd = (assembly.carried_pull(system, pulls[..., i]) for i in (0, 1))
+        s, sd = (assembly.carried_pull(system, pulls[..., i]) for i in (0, 1))
         quaternion = x[..., mechanism.layout.at.quaternion]
         turned = quaternion + quaternion_rate(quaternion, pose[..., 3:, 0])
         turned = turned / np.sqrt(dot(turned, turned))[..., None]
         place = c.position + mv(c.rotation, pose[..., :3, 0])
-        rates = [c.elastic_rate + bend[..., 1], c.q - q, c.qd - qd]
+        rates = [c.elastic_rate + bend[..., 1], c.s - s, c.sd - sd]
         moved = [place, turned, c.twist + pose[..., 1], c.elastic + bend[..., 0], *rates, c.branches]
         return {"projected": join(moved), "health": assembly.health(system)}
 

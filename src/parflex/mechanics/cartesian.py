@@ -12,8 +12,9 @@ from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, tra
 from parflex.base.errors import InputError, SingularPose
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import kinematics
+from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.system import LegTerms, System, actuated_axes, assemble, diagonal
+from parflex.mechanics.system import System, actuated_axes, assemble, diagonal
 from parflex.robot.layout import Coordinates
 
 SINGULAR = 1e-8  # smallest acceptable ratio of a leg Jacobian's singular values, its columns of unit length

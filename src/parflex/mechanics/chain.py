@@ -1,20 +1,25 @@
-"""Legs as modified-Denavit–Hartenberg trees (Sec. 3): frames, Jacobians, Newton–Euler.
+"""Legs as modified-Denavit–Hartenberg trees (Sec. 3): tables, frames, Jacobians.
 
 A `Chain` holds the tables of L legs of equal structure, so that one pass treats them all:
-arrays are (…, L, …) and the structure (antecedents, joint types) is shared.
+arrays are (…, L, …) and the structure (antecedents, joint types, seats) is shared. The coordinates of a
+leg are z = (q, e): its joints, then the elastic coordinates of its flexible links, link by link.
 
 Source: Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3, 5 and 9.
 """
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, block, cross, dot, matrix, mtv, mv, outer, stack, trace, transpose
+from parflex.base.array import Array, block, cross, dot, matrix, mv, skew, stack
 from parflex.base.spatial import exact_cos_sin
+from parflex.mechanics.link import Link, Seat, body_at, link_of, seat_at, side_by_side
+from parflex.mechanics.platform import Deformed
 from parflex.robot.fields import Column, described
+from parflex.robot.layout import spans
 from parflex.robot.leg import Joint, Leg
 
 E_Z = np.array([0.0, 0.0, 1.0])
@@ -25,13 +30,17 @@ class Chain:
     """Tables of L trees of n joints; `antecedent[j]` is an index, −1 for the base frame.
 
     Each field of a joint that is a table there (`columns`) is one here, under the same name:
-    `chain.alpha` (L, n), `chain.MS` (L, n, 3), `chain.I` (L, n, 3, 3) about the frame's origin.
+    `chain.alpha` (L, n), `chain.MS` (L, n, 3), `chain.I` (L, n, 3, 3) about the frame's origin. A flexible
+    link has `links[j]` instead of mass and inertia there; joint k sits at the attachment `seats[k]` of its
+    antecedent where that is flexible.
     """
 
     antecedent: tuple[int, ...]
     sigma: tuple[int, ...]
     columns: Mapping[str, Column]
     tables: Mapping[str, Array]
+    links: tuple[Link | None, ...]
+    seats: tuple[int, ...]
 
     def __getattr__(self, name: str) -> Array:
         """The table of that name."""
@@ -49,6 +58,21 @@ class Chain:
         """Number of joints of one tree."""
         return len(self.sigma)
 
+    @cached_property
+    def modes(self) -> tuple[int, ...]:
+        """The number of elastic coordinates of each link."""
+        return tuple(0 if link is None else link.stiffness.shape[-1] for link in self.links)
+
+    @cached_property
+    def size(self) -> int:
+        """The number of coordinates z of one tree."""
+        return self.n + sum(self.modes)
+
+    @cached_property
+    def elastic(self) -> list[slice]:
+        """The places of the elastic coordinates of each link among those of the tree."""
+        return spans(*self.modes)
+
     def path(self, j: int) -> list[int]:
         """The joints from the base to frame j, j included."""
         return [] if j < 0 else [*self.path(self.antecedent[j]), j]
@@ -64,47 +88,53 @@ def chain_of(leg: Leg) -> Chain:
         for name, column in columns.items()
     }
     tables = {name: table.reshape(1, -1, *columns[name].shape) for name, table in tables.items()}
-    return Chain(tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints), columns, tables)
+    links = tuple(None if joint.body is None else link_of(joint.body) for joint in leg.joints)
+    structure = tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints)
+    return Chain(*structure, columns, tables, links, leg.seats.joints)
 
 
 def joined(chains: Sequence[Chain]) -> Chain:
     """Chains of equal structure as one, their legs one after the other."""
     first = chains[0]
-    return first.with_tables(
-        {name: np.concatenate([c.tables[name] for c in chains]) for name in first.tables}
-    )
+    tables = {name: np.concatenate([c.tables[name] for c in chains]) for name in first.tables}
+    links = tuple(side_by_side(alike) for alike in zip(*(c.links for c in chains), strict=True))
+    return replace(first, tables=tables, links=links)
 
 
 class Joints(NamedTuple):
-    """Joint variables as a closed form gives them: of an angle, its cosine and sine."""
+    """Joint variables as a closed form gives them, of an angle its cosine and sine; and the links' bend."""
 
     cos: Array  # (…, L, n); 1 for a prismatic joint
     sin: Array  # (…, L, n); 0 for a prismatic joint
     length: Array  # (…, L, n); 0 for a revolute joint
+    bend: Array  # (…, L, ΣN), the elastic coordinates of the links
 
 
 class Frames(NamedTuple):
     """Per joint j with antecedent a: R_aj, p_aj (in a), and R_0j, p_0j in the base frame.
 
-    The base frame itself, number −1, is the last of R_0j and p_0j.
+    The base frame itself, number −1, is the last of R_0j and p_0j. Of flexible links there are the bodies as
+    they are bent, and of joints on them the seats.
     """
 
     R_aj: list[Array]
     p_aj: list[Array]
     R_0j: list[Array]
     p_0j: list[Array]
+    seats: list[Seat | None]
+    bodies: list[Deformed | None]
 
 
-class Motion(NamedTuple):
-    """Angular velocity, angular acceleration and acceleration of a frame, in its own axes."""
+class Point(NamedTuple):
+    """A point (…, L, 3) of link j, fixed to it, or on a seat of it where it is flexible."""
 
-    omega: Array
-    omegad: Array
-    vd: Array
+    link: int
+    place: Array
+    seat: Seat | None
 
 
 def frame_in_antecedent(chain: Chain, j: int, joints: Joints) -> tuple[Array, Array]:
-    """R_aj, p_aj = Rot(z,γ) Trans(z,b) Rot(x,α) Trans(x,d) Rot(z,θ) Trans(z,r)."""
+    """R_aj, p_aj = Rot(z,γ) Trans(z,b) Rot(x,α) Trans(x,d) Rot(z,θ) Trans(z,r), of a rigid antecedent."""
     cg, sg = exact_cos_sin(chain.gamma[:, j])
     ca, sa = exact_cos_sin(chain.alpha[:, j])
     c0, s0 = exact_cos_sin(chain.theta[:, j])
@@ -122,107 +152,98 @@ def frame_in_antecedent(chain: Chain, j: int, joints: Joints) -> tuple[Array, Ar
 
 
 def placement(chain: Chain, j: int) -> tuple[Array, Array]:
-    """R_aj (L, 3, 3) and p_aj (L, 3) where the joint variable is zero."""
+    """R_aj (L, 3, 3) and p_aj (L, 3) where the joint variable is zero, and the antecedent not bent."""
     still = np.zeros(chain.r.shape)
-    return frame_in_antecedent(chain, j, Joints(still + 1.0, still, still))
+    return frame_in_antecedent(chain, j, Joints(still + 1.0, still, still, still[:, :0]))
 
 
 def frames(chain: Chain, joints: Joints) -> Frames:
     """All frames of the trees for given joint variables."""
     legs = joints.cos.shape[:-1]
-    out = Frames([], [], [np.broadcast_to(np.eye(3), (*legs, 3, 3))], [np.zeros((*legs, 3))])
+    out = Frames([], [], [np.broadcast_to(np.eye(3), (*legs, 3, 3))], [np.zeros((*legs, 3))], [], [])
     for j, a in enumerate(chain.antecedent):
         R_aj, p_aj = frame_in_antecedent(chain, j, joints)
+        seat = joint_seat(chain, j, joints.bend)
+        if seat is not None:
+            R_aj, p_aj = seat.turn @ R_aj, seat.place + mv(seat.turn, p_aj - seat.rest)
+        link = chain.links[j]
         out.R_aj.append(R_aj)
         out.p_aj.append(p_aj)
+        out.seats.append(seat)
+        out.bodies.append(None if link is None else body_at(link, bend_of(chain, joints.bend, j)))
         out.R_0j.insert(j, out.R_0j[a] @ R_aj)
         out.p_0j.insert(j, out.p_0j[a] + mv(out.R_0j[a], p_aj))
     return out
 
 
-def tip_position(frame: Frames, j: int, offset: Array) -> Array:
-    """Position in the base frame of a point given in frame j."""
-    return frame.p_0j[j] + mv(frame.R_0j[j], offset)
+def bend_of(chain: Chain, elastic: Array, j: int) -> Array:
+    """The part (…, L, N_j) of link j of elastic coordinates (…, L, ΣN), or of their rates."""
+    return elastic[..., chain.elastic[j]]
 
 
-def tip_jacobian(chain: Chain, frame: Frames, j: int, offset: Array) -> Array:
-    """J (…, L, 3, n) with v = J q̇ for the point `offset` of frame j, in base axes."""
-    p_0t = tip_position(frame, j, offset)
-    on_path = chain.path(j)
+def joint_seat(chain: Chain, j: int, bend: Array) -> Seat | None:
+    """The seat of joint j on its antecedent, of links bent by (…, L, ΣN); None where that is rigid."""
+    return seat_on(chain, chain.antecedent[j], chain.seats[j], bend)
+
+
+def seat_on(chain: Chain, link: int, attachment: int, bend: Array) -> Seat | None:
+    """The seat at an attachment of a link; None for a rigid one, and for the base."""
+    body = chain.links[link] if link >= 0 else None
+    return None if body is None else seat_at(body, attachment, bend_of(chain, bend, link))
+
+
+def tip_position(frame: Frames, point: Point) -> Array:
+    """Position in the base frame of a point of a link."""
+    return frame.p_0j[point.link] + mv(frame.R_0j[point.link], point.place)
+
+
+def tip_rotation(frame: Frames, point: Point) -> Array:
+    """The axes (…, L, 3, 3) of the section at a point of a link, in the base frame."""
+    R = frame.R_0j[point.link]
+    return R if point.seat is None else R @ point.seat.turn
+
+
+def tip_jacobian(chain: Chain, frame: Frames, point: Point) -> Array:
+    """J (…, L, 3, n + ΣN) with v = J ż for a point of a link, in base axes."""
+    p_0t = tip_position(frame, point)
+    on_path = chain.path(point.link)
     columns = []
     for k in range(chain.n):
         z = frame.R_0j[k][..., :, 2]
         turn, slide = (1 - chain.sigma[k], chain.sigma[k]) if k in on_path else (0, 0)
-        columns.append(turn * cross(z, p_0t - frame.p_0j[k]) + slide * z)  # Eq. 3
-    return block([[np.zeros((3, 0)), *(column[..., None] for column in columns)]])
+        columns.append((turn * cross(z, p_0t - frame.p_0j[k]) + slide * z)[..., None])  # Eq. 3
+    for a, seat in seats_towards(chain, frame, point):
+        if seat is None:
+            columns.append(np.zeros((3, chain.modes[a])))
+            continue
+        R, here = frame.R_0j[a], frame.p_0j[a] + mv(frame.R_0j[a], seat.place)
+        moved = R @ seat.shift
+        columns.append(moved if a == point.link else moved - skew(p_0t - here) @ (R @ seat.tilt))
+    return block([[np.zeros((3, 0)), *columns]])
 
 
-def link_motions(chain: Chain, frame: Frames, qd: Array, qdd: Array, gravity: Array) -> list[Motion]:
-    """Forward recursion; the base, which comes last, accelerates with −g: gravity needs no further word."""
-    motions = [Motion(np.zeros(3), np.zeros(3), -gravity)]
-    for j, a in enumerate(chain.antecedent):
-        omega_a, omegad_a, vd_a = motions[a]
-        R_aj, p_aj = frame.R_aj[j], frame.p_aj[j]
-        slide, turn = chain.sigma[j], 1 - chain.sigma[j]
-        rate, acceleration = qd[..., j, None] * E_Z, qdd[..., j, None] * E_Z
-        omega_ja = mtv(R_aj, omega_a)
-        omega = omega_ja + turn * rate
-        omegad = mtv(R_aj, omegad_a) + turn * (acceleration + cross(omega_ja, rate))
-        vd = mtv(R_aj, vd_a + point_acceleration(omega_a, omegad_a, p_aj))
-        vd = vd + slide * (acceleration + 2.0 * cross(omega_ja, rate))
-        motions.insert(j, Motion(omega, omegad, vd))
-    return motions
+def turning_jacobian(chain: Chain, frame: Frames, point: Point) -> Array:
+    """(…, L, 3, n + ΣN) with ω = J_r ż for the section at a point of a link, in base axes."""
+    on_path = chain.path(point.link)
+    columns = [
+        ((1 - chain.sigma[k]) * (k in on_path) * frame.R_0j[k][..., :, 2])[..., None] for k in range(chain.n)
+    ]
+    for a, seat in seats_towards(chain, frame, point):
+        columns.append(np.zeros((3, chain.modes[a])) if seat is None else frame.R_0j[a] @ seat.tilt)
+    return block([[np.zeros((3, 0)), *columns]])
 
 
-def point_acceleration(omega: Array, omegad: Array, p: Array) -> Array:
-    """Acceleration of a fixed point p of a frame relative to the frame's origin."""
-    return cross(omegad, p) + cross(omega, cross(omega, p))
-
-
-class Reaction(NamedTuple):
-    """Force and moment (about the frame's origin) that each link receives through its joint, and last what
-    the base receives from below."""
-
-    force: list[Array]
-    moment: list[Array]
-
-
-def reactions(chain: Chain, frame: Frames, motions: list[Motion], tips: "Reaction") -> Reaction:
-    """The backward recursion; `tips` are the wrenches that the links give to the platform."""
-    force, moment = list(tips.force), list(tips.moment)
-    for j in range(chain.n):
-        omega, omegad, vd = motions[j]
-        MS, inertia = chain.MS[:, j], chain.I[:, j]
-        force[j] = force[j] + chain.M[:, j, None] * vd + point_acceleration(omega, omegad, MS)
-        moment[j] = moment[j] + mv(inertia, omegad) + cross(omega, mv(inertia, omega)) + cross(MS, vd)
-    for j in reversed(range(chain.n)):
-        a, passed = chain.antecedent[j], mv(frame.R_aj[j], force[j])
-        force[a] = force[a] + passed
-        moment[a] = moment[a] + mv(frame.R_aj[j], moment[j]) + cross(frame.p_aj[j], passed)
-    return Reaction(force, moment)
-
-
-def unloaded(chain: Chain) -> Reaction:
-    """No wrenches, of the links and of the base."""
-    none = [np.zeros(3)] * (chain.n + 1)
-    return Reaction(none, list(none))
-
-
-def inverse_dynamics(
-    chain: Chain, frame: Frames, motions: list[Motion], qdd: Array, tips: "Reaction | None" = None
-) -> Array:
-    """Joint torques τ (…, L, n) = A q̈ + c (+ Jᵀ f) of the trees, without friction and springs."""
-    force, moment = reactions(chain, frame, motions, unloaded(chain) if tips is None else tips)
-    torque = []
-    for j, slides in enumerate(chain.sigma):
-        axial = slides * force[j][..., 2] + (1 - slides) * moment[j][..., 2]
-        torque.append(axial + chain.IA[:, j] * qdd[..., j])
-    return stack(torque)
-
-
-def friction(chain: Chain, qd: Array) -> Array:
-    """Viscous and smoothed Coulomb friction (…, L, n), against the motion."""
-    return chain.Fv * qd + chain.Fs * qd / np.sqrt(qd * qd + chain.v_s * chain.v_s)
+def seats_towards(chain: Chain, frame: Frames, point: Point) -> list[tuple[int, Seat | None]]:
+    """Each flexible link, with the seat of it that the way from the base to a point leads through."""
+    way = chain.path(point.link)
+    next_joint = {chain.antecedent[k]: k for k in way}
+    found: list[tuple[int, Seat | None]] = []
+    for a, modes in enumerate(chain.modes):
+        if modes and a == point.link:
+            found.append((a, point.seat))
+        elif modes:
+            found.append((a, frame.seats[next_joint[a]] if a in next_joint else None))
+    return found
 
 
 def stretch(chain: Chain, joints: Joints) -> Array:
@@ -239,46 +260,22 @@ def joint_position(chain: Chain, joints: Joints, j: int, reference: Array) -> Ar
     return np.arctan2(s * c0 - c * s0, c * c0 + s * s0)
 
 
-def inertia_matrix(chain: Chain, frame: Frames) -> Array:
-    """A (…, L, n, n) by composite links: each joint moves all that hangs on it as one body."""
-    M = [chain.M[:, j] for j in range(chain.n)]
-    MS = [chain.MS[:, j] for j in range(chain.n)]
-    inertia = [chain.I[:, j] for j in range(chain.n)]
-    entry: dict[tuple[int, int], Array] = {}
-    for j in reversed(range(chain.n)):
-        slide, turn = chain.sigma[j], 1 - chain.sigma[j]
-        force = slide * M[j][..., None] * E_Z + turn * cross(E_Z, MS[j])
-        moment = slide * cross(MS[j], E_Z) + turn * inertia[j][..., :, 2]
-        k = j
-        while k >= 0:
-            axial = chain.sigma[k] * force[..., 2] + (1 - chain.sigma[k]) * moment[..., 2]
-            entry[j, k] = entry[k, j] = axial
-            force, moment = mv(frame.R_aj[k], force), mv(frame.R_aj[k], moment)
-            moment = moment + cross(frame.p_aj[k], force)
-            k = chain.antecedent[k]
-        entry[j, j] = entry[j, j] + chain.IA[:, j]
-        a = chain.antecedent[j]
-        if a >= 0:
-            M_a, MS_a, I_a = in_antecedent(frame.R_aj[j], frame.p_aj[j], M[j], MS[j], inertia[j])
-            M[a], MS[a], inertia[a] = M[a] + M_a, MS[a] + MS_a, inertia[a] + I_a
-    zero = np.zeros(())
-    return matrix([[entry.get((i, k), zero) for k in range(chain.n)] for i in range(chain.n)])
-
-
-def in_antecedent(R: Array, p: Array, M: Array, MS: Array, inertia: Array) -> tuple[Array, Array, Array]:
-    """Mass, first moment and inertia of a body, taken to the frame that sees it at (R, p)."""
-    MS_a = mv(R, MS)
-    both = outer(p, MS_a) + outer(MS_a, p) + M[..., None, None] * outer(p, p)
-    return (
-        M,
-        MS_a + M[..., None] * p,
-        R @ inertia @ transpose(R) + trace(both)[..., None, None] * np.eye(3) - both,
-    )
-
-
 def potential_energy(chain: Chain, frame: Frames, gravity: Array) -> Array:
     """−g·Σ (M p_0j + R_0j MS): (…, L), zero at the base frame."""
     moments = [
-        chain.M[:, j, None] * frame.p_0j[j] + mv(frame.R_0j[j], chain.MS[:, j]) for j in range(chain.n)
+        mass(chain, j)[:, None] * frame.p_0j[j] + mv(frame.R_0j[j], first_moment(chain, frame, j))
+        for j in range(chain.n)
     ]
     return -dot(gravity, sum(moments, np.zeros(3)))
+
+
+def mass(chain: Chain, j: int) -> Array:
+    """The mass (L,) of link j."""
+    link = chain.links[j]
+    return chain.M[:, j] if link is None else np.asarray(link.moments.m)
+
+
+def first_moment(chain: Chain, frame: Frames, j: int) -> Array:
+    """MS (…, L, 3) of link j about its frame's origin, as it is bent."""
+    body = frame.bodies[j]
+    return chain.MS[:, j] if body is None else body.MS

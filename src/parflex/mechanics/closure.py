@@ -1,6 +1,7 @@
 """The closure of the legs: Newton's method, damped, for J δq − Wᵀ δ(pose, q_e) = −gap.
 
-A displacement δ (6 + N + n) holds those of Σp, in Σp, of the modes, and of all joints, group by group.
+A displacement δ (6 + N + z) holds those of Σp, in Σp, of the modes, and of all coordinates z = (q, e) of the
+legs, group by group.
 """
 
 from collections.abc import Callable
@@ -26,9 +27,11 @@ class Freedom(NamedTuple):
 
     platform: bool
     elastic: bool
+    links: bool = False
 
 
 JOINTS, POSE, ALL = Freedom(False, False), Freedom(True, False), Freedom(True, True)
+EVERY = Freedom(True, True, True)
 
 
 def closed(mechanism: Mechanism, x: Array, freedom: Freedom) -> tuple[Array, Array]:
@@ -94,7 +97,7 @@ def with_rates(mechanism: Mechanism, x: Array, freedom: Freedom) -> Array:
 def least_squares(
     mechanism: Mechanism, G: Array, r: Array, freedom: Freedom, longest: float = LARGEST_TURN
 ) -> Array:
-    """The shortest δ (…, 6 + N + n) with G δ nearest to r, no longer than one step may be.
+    """The shortest δ (…, 6 + N + z) with G δ nearest to r, no longer than one step may be.
 
     Where the pose may move, its length is what counts: the joints follow.
     """
@@ -115,13 +118,15 @@ def units(mechanism: Mechanism, freedom: Freedom) -> Array:
         [
             freedom.platform * np.repeat([1.0, 1.0 / size], 3),
             np.full(body.modes, freedom.elastic * np.sqrt(body.moments.m)),
-            np.where(mechanism.slides, 1.0, 1.0 / size),
+            np.where(
+                mechanism.bends, freedom.links * mechanism.roots, np.where(mechanism.slides, 1.0, 1.0 / size)
+            ),
         ]
     )
 
 
 def closure_matrix(system: System) -> Array:
-    """[−Wᵀ J] (…, 3k, 6 + N + n)."""
+    """[−Wᵀ J] (…, 3k, 6 + N + z)."""
     J = diagonal([block_diagonal(leg.J) for leg in system.legs])
     return block([[-transpose(system.W_p), -transpose(system.W_e), J]])
 
@@ -136,36 +141,28 @@ def gaps(system: System, rate: bool = False) -> Array:
 
 
 def actuated_rows(mechanism: Mechanism) -> Array:
-    """(m, 6 + N + n), taking a displacement to that of the actuated joints, in the order of Γ."""
+    """(m, 6 + N + z), taking a displacement to that of the actuated joints, in the order of Γ."""
     joints = np.eye(len(mechanism.driven))[mechanism.driven][mechanism.force_order]
     return np.hstack([np.zeros((len(joints), 6 + mechanism.platform.modes)), joints])
 
 
 def displaced(mechanism: Mechanism, x: Array, step: Array) -> Array:
-    """The flat state with its pose, its bend and its carried joints displaced by δ (…, 6 + N + n)."""
+    """The flat state with its pose, its bend and its carried joints displaced by δ (…, 6 + N + z)."""
     layout = mechanism.layout
     c, (pose, elastic, joints) = coordinates(x, layout), layout.displacements
     quaternion, step_p = x[..., layout.at.quaternion], step[..., pose]
     turned = quaternion + quaternion_rate(quaternion, step_p[..., 3:])
     turned = turned / np.linalg.norm(turned, axis=-1, keepdims=True)
     place = c.position + mv(c.rotation, step_p[..., :3])
-    q = c.q + carried_part(mechanism, step[..., joints])
-    return join([place, turned, c.twist, c.elastic + step[..., elastic], c.elastic_rate, q, c.qd, c.branches])
+    s = c.s + step[..., joints][..., mechanism.kept]
+    return join([place, turned, c.twist, c.elastic + step[..., elastic], c.elastic_rate, s, c.sd, c.branches])
 
 
 def accelerated(mechanism: Mechanism, x: Array, step: Array) -> Array:
-    """The flat state with its rates changed by δ (…, 6 + N + n)."""
+    """The flat state with its rates changed by δ (…, 6 + N + z)."""
     layout = mechanism.layout
     c, (pose, elastic, joints) = coordinates(x, layout), layout.displacements
     rates = c.elastic_rate + step[..., elastic]
-    qd = c.qd + carried_part(mechanism, step[..., joints])
+    sd = c.sd + step[..., joints][..., mechanism.kept]
     start = [x[..., layout.at.position], x[..., layout.at.quaternion], c.twist + step[..., pose]]
-    return join([*start, c.elastic, rates, c.q, qd, c.branches])
-
-
-def carried_part(mechanism: Mechanism, joints: Array) -> Array:
-    """The joints that the state carries, in its order, of all joints (…, n) group by group."""
-    carries = [
-        group.type.carries for group in mechanism.groups for _ in range(len(group.legs) * group.chain.n)
-    ]
-    return joints[..., np.flatnonzero(carries)][..., mechanism.carried_order]
+    return join([*start, c.elastic, rates, c.s, sd, c.branches])

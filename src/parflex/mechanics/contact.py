@@ -8,10 +8,11 @@ import numpy as np
 
 from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, transpose
 from parflex.base.unroll import factored, factored_solve, solve_definite
+from parflex.mechanics.leg_terms import LegTerms, selection
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.system import LegTerms, System, diagonal, selection
+from parflex.mechanics.system import System, diagonal
 
 
 class MobileInertia(NamedTuple):
@@ -89,7 +90,7 @@ class LegContacts(NamedTuple):
 
     compliance: Array  # J A⁻¹ Jᵀ (…, L, 3t, 3t)
     driven: Array  # J A⁻¹ S (…, L, 3t, a)
-    drift: Array  # J̇q̇ − J A⁻¹ c (…, L, 3t)
+    drift: Array  # J̇ż − J A⁻¹ c (…, L, 3t)
 
 
 def legs_at_tips(system: System) -> LegContacts:

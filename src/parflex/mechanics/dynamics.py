@@ -1,11 +1,11 @@
 """The dynamic models in contact form: one symmetric system in the forces between legs and platform.
 
-Legs:      A q̈ + c = S Γ − Jᵀ f
+Legs:      A z̈ + c = S Γ − Jᵀ f
 Platform:  M_p (V̇_p, q̈_e) + c_p = W f + w
-Closure:   J q̈ + J̇q̇ = Wᵀ (V̇_p, q̈_e) + h
+Closure:   J z̈ + J̇ż = Wᵀ (V̇_p, q̈_e) + h
 
 Eliminating the accelerations leaves
-(Wᵀ M_p⁻¹ W + J A⁻¹ Jᵀ) f = J A⁻¹ (S Γ − c) + J̇q̇ − h + Wᵀ M_p⁻¹ (c_p − w),
+(Wᵀ M_p⁻¹ W + J A⁻¹ Jᵀ) f = J A⁻¹ (S Γ − c) + J̇ż − h + Wᵀ M_p⁻¹ (c_p − w),
 positive definite for any number of modes, without J⁻¹. It equals Eqs. 36–49 (`cartesian.py`), and
 holds for legs of any kind. Rows of the closure that depend on others are left out of the solution;
 the contact forces are then those of least norm.

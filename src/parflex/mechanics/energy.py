@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
-from parflex.mechanics import chain
+from parflex.mechanics import chain, flexures, recursion
 from parflex.mechanics.platform import body_energies
 from parflex.mechanics.system import System
 
@@ -13,14 +13,31 @@ from parflex.mechanics.system import System
 class Energies(NamedTuple):
     """Energies of a robot, J, (…,) each.
 
-    kinetic counts the rotors in, gravity is zero at the world's origin, strain is that of the platform
-    and springs that of the joints' springs.
+    kinetic counts the rotors in, gravity is zero at the world's origin, strain is that of the platform and
+    of flexible links, and springs that of the springs at joints and of the flexures at tips.
     """
 
     kinetic: Array
     gravity: Array
     strain: Array
     springs: Array
+
+
+def dissipation(system: System) -> Array:
+    """The power (…,) W that damping and friction take: of the platform, of joints, links and flexures."""
+    x = system.x
+    lost = dot(x.elastic_rate, system.mechanism.platform.damping * x.elastic_rate)
+    for leg in system.legs:
+        group, c = leg.group, leg.group.chain
+        lost = lost + np.sum(dot(leg.qd, recursion.friction(c, leg.qd)), axis=-1)
+        for j, link in enumerate(c.links):
+            if link is not None:
+                ed = chain.bend_of(c, leg.zd[..., c.n :], j)
+                lost = lost + np.sum(link.damping * ed * ed, axis=(-2, -1))
+        if group.flexures is not None:
+            against = flexures.resistance(group.flexures, leg.spin)
+            lost = lost + np.sum(dot(leg.spin, against), axis=(-2, -1))
+    return lost
 
 
 def energies(system: System) -> Energies:
@@ -32,11 +49,17 @@ def energies(system: System) -> Energies:
     springs = np.zeros(x.position.shape[:-1])
     for leg in system.legs:
         group = leg.group
-        kinetic = kinetic + 0.5 * np.sum(dot(leg.qd, mv(leg.A, leg.qd)), axis=-1)
+        kinetic = kinetic + 0.5 * np.sum(dot(leg.zd, mv(leg.A, leg.zd)), axis=-1)
         in_base = mtv(group.rotation, gravity)
-        above = chain.potential_energy(group.chain, leg.frames, in_base)
-        mass = np.sum(group.chain.M, axis=-1)
+        above = chain.potential_energy(group.chain, leg.bent, in_base)
+        mass = sum((chain.mass(group.chain, j) for j in range(group.chain.n)), np.zeros(len(group.legs)))
         weight = weight + np.sum(above - mass * dot(gravity, group.origin), axis=-1)
         stretch = chain.stretch(group.chain, leg.joints)
         springs = springs + 0.5 * np.sum(group.chain.k * stretch * stretch, axis=(-2, -1))
+        for j, link in enumerate(group.chain.links):
+            if link is not None:
+                e = chain.bend_of(group.chain, leg.joints.bend, j)
+                strain = strain + 0.5 * np.sum(link.stiffness * e * e, axis=(-2, -1))
+        if group.flexures is not None:
+            springs = springs + np.sum(flexures.energy(group.flexures, leg.bending), axis=-1)
     return Energies(kinetic, weight, strain, springs)

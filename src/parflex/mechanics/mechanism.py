@@ -9,6 +9,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.mechanics.chain import chain_of, joined
+from parflex.mechanics.flexures import Flexures, flexures_of
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
 from parflex.mechanics.legs.base import settled
 from parflex.mechanics.platform import Platform, platform_of
@@ -84,12 +85,13 @@ class Mechanism:
     @cached_property
     def layout(self) -> Layout:
         """The layout of the flat state."""
-        carried, branched = [0] * len(self.robot.legs), []
+        joints, elastic, branched = [0] * len(self.robot.legs), [0] * len(self.robot.legs), []
         for group in self.groups:
             for number in group.legs:
-                carried[number] = group.carried.shape[1]
+                joints[number] = sum(z < group.chain.n for z in group.kept)
+                elastic[number] = len(group.kept) - joints[number]
                 branched += [number] * group.branched.shape[1]
-        return Layout(self.platform.modes, tuple(carried), tuple(sorted(branched)))
+        return Layout(self.platform.modes, tuple(joints), tuple(sorted(branched)), tuple(elastic))
 
     @cached_property
     def closed(self) -> bool:
@@ -131,8 +133,19 @@ class Mechanism:
 
     @cached_property
     def carried_order(self) -> Array:
-        """The place of each joint carried in the state among the carried joints by group."""
+        """The place of each coordinate carried in the state among the carried ones by group."""
         return np.argsort(stacked(group.carried for group in self.groups))
+
+    @cached_property
+    def kept(self) -> Array:
+        """The coordinates z that the state carries, in its order, by number among those of all legs, group
+        by group."""
+        found, first = [np.zeros(0, dtype=int)], 0
+        for group in self.groups:
+            legs = first + group.chain.size * np.arange(len(group.legs))
+            found.append((legs[:, None] + np.array(group.kept, dtype=int)).reshape(-1))
+            first += group.chain.size * len(group.legs)
+        return np.concatenate(found)[self.carried_order]
 
     @cached_property
     def contact_order(self) -> Array:
@@ -151,13 +164,41 @@ class Mechanism:
 
     @cached_property
     def slides(self) -> Array:
-        """The prismatic joints, True, group by group."""
-        return np.array([bool(j.sigma) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
+        """The prismatic joints, True, among the coordinates z of all legs, group by group."""
+        return self._of_joints("sigma")
 
     @cached_property
     def driven(self) -> Array:
-        """The actuated joints, True, group by group."""
-        return np.array([bool(j.mu) for n in self.legs for j in self.robot.legs[n].joints], dtype=bool)
+        """The actuated joints, True, among the coordinates z of all legs, group by group."""
+        return self._of_joints("mu")
+
+    @cached_property
+    def bends(self) -> Array:
+        """The elastic ones, True, among the coordinates z of all legs, group by group."""
+        legs = [self.robot.legs[n] for n in self.legs]
+        return np.array([z >= len(leg.joints) for leg in legs for z in range(leg.size)], dtype=bool)
+
+    @cached_property
+    def roots(self) -> Array:
+        """√m (kg^½) of the link to each elastic one of the coordinates z of all legs; 0 of joints."""
+        legs = [self.robot.legs[n] for n in self.legs]
+        found = [
+            [0.0] * len(leg.joints)
+            + [
+                np.sqrt(j.body.moments.m)
+                for j in leg.joints
+                if j.body is not None
+                for _ in range(j.body.modes)
+            ]
+            for leg in legs
+        ]
+        return np.array([each for leg in found for each in leg])
+
+    def _of_joints(self, flag: str) -> Array:
+        """A flag of the joints, False of elastic coordinates, group by group."""
+        legs = [self.robot.legs[n] for n in self.legs]
+        flags = [[bool(getattr(j, flag)) for j in leg.joints] + [False] * sum(leg.modes) for leg in legs]
+        return np.array([each for leg in flags for each in leg], dtype=bool)
 
 
 def stacked(parts: Any) -> Array:
@@ -193,6 +234,7 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
         rotation=np.asarray(leg.rotation)[None],
         origin=np.asarray(leg.origin)[None],
         tip_frames=tuple(tip.frame - 1 for tip in leg.tips),
+        tip_seats=leg.seats.tips,
         offsets=np.array([[tip.offset for tip in leg.tips]]),
         attachments=np.array([[tip.attachment for tip in leg.tips]]),
         actuated=actuated,
@@ -200,14 +242,17 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
         posture=np.zeros((1, n)) if leg.posture is None else np.asarray(leg.posture)[None],
         branch=np.ones(1),
         branched=none,
+        kept=(),
         carried=none,
+        flexures=flexures_of(leg),
     )
     for known in leg_types:
         if not known.recognises(leg):
             continue
-        group = bare._replace(type=known)
+        kept = range(0 if known.carries else n, leg.size)
+        group = bare._replace(type=known, kept=tuple(kept), carried=np.arange(len(kept))[None])
         if known.carries:
-            return group._replace(carried=np.arange(n)[None])
+            return group
         if leg.posture is None:
             return group._replace(branched=np.zeros((1, 1), dtype=int)) if known.two_branches else group
         if (on_branch := settled(group)) is not None:
@@ -225,4 +270,7 @@ def side_by_side(groups: list[LegGroup]) -> LegGroup:
     chain = joined([group.chain for group in groups])
     legs = tuple(number for group in groups for number in group.legs)
     same: dict[str, Any] = {**together, "chain": chain, "legs": legs}
+    held = [group.flexures for group in groups if group.flexures is not None]
+    if held:
+        same["flexures"] = Flexures(*(np.concatenate(tables) for tables in zip(*held, strict=True)))
     return first._replace(**same)

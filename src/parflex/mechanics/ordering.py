@@ -7,8 +7,9 @@ import numpy as np
 
 from parflex.base.array import Array, stack
 from parflex.mechanics.kinematics import unstacked
+from parflex.mechanics.leg_terms import joint_position
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.system import System, joint_position
+from parflex.mechanics.system import System
 
 
 class Joints(NamedTuple):

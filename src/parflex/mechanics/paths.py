@@ -6,7 +6,8 @@ import numpy as np
 
 from parflex.base.array import Array, mv
 from parflex.mechanics.chain import tip_position
-from parflex.mechanics.system import LegTerms, System
+from parflex.mechanics.leg_terms import LegTerms
+from parflex.mechanics.system import System
 
 if TYPE_CHECKING:
     pass
@@ -33,9 +34,9 @@ def leg_paths(system: System) -> Paths:
     motors: list[Array] = []
     for leg in system.legs:
         chain = leg.group.chain
-        for t, j in enumerate(leg.group.tip_frames):
-            way, none = chain.path(j), np.zeros(3)
-            tip = tip_position(leg.frames, j, leg.group.offsets[:, t])
+        for t, point in enumerate(leg.group.points(leg.joints.bend)):
+            way, none = chain.path(point.link), np.zeros(3)
+            tip = tip_position(leg.frames, point)
             stations = [none, *(leg.frames.p_0j[k] for k in way), tip]
             along = [none, *(leg.frames.R_0j[k][..., 2] for k in way), none]
             lines.append(np.stack([in_world(leg, p) for p in stations], axis=-2))

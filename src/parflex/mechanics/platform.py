@@ -72,11 +72,14 @@ def platform_of(body: FlexibleBody) -> Platform:
     )
 
 
-class Contractions(NamedTuple):
-    """The tensors that meet the coordinates at O(N²) cost, linear in q_e and q̇_e."""
+class Deformed(NamedTuple):
+    """The inertia integrals of a deformed body, of a platform or of L links."""
 
+    MS: Array  # (…, 3), ∫ ρ dm
+    inertia: Array  # (…, 3, 3) about the frame's origin
+    S: Array  # (3, N), ∫ Φ dm
+    MS_re: Array  # (…, 3, N), ∫ ρ × Φ_k dm
     G: Array  # (…, N, 3, 3), ∫ Φ_k ρᵀ dm
-    T_axial: Array  # (…, N, 3), (T_k,23 − T_k,32, …) with T_k = ∫ (Σ Φ_j q̇_j) Φ_kᵀ dm
 
 
 class PlatformTerms(NamedTuple):
@@ -88,35 +91,41 @@ class PlatformTerms(NamedTuple):
     c_e: Array  # (…, N)
 
 
-def contractions(platform: Platform, q_e: Array, qd_e: Array) -> Contractions:
-    """G_k = P1_k + Σ_j q_j P2_kj, and the axial part of the same sum of rates."""
-    by_second = np.swapaxes(platform.moments.P2, 0, 1)
-    return Contractions(platform.moments.P1 + contract(q_e, by_second), contract(qd_e, axial(by_second)))
+def deformed(t: Moments, q_e: Array) -> Deformed:
+    """The integrals at elastic coordinates (…, N), with G_k = P1_k + Σ_j q_j P2_kj.
+
+    The moments may have leading axes (L,) then, as the coordinates (…, L, N) have."""
+    by_second = np.swapaxes(t.P2, -4, -3)
+    G = t.P1 + contract(q_e, by_second, np.ndim(t.m))
+    second = t.P0 + np.sum(q_e[..., None, None] * (transpose(t.P1) + G), axis=-3)
+    inertia = trace(second)[..., None, None] * np.eye(3) - second
+    return Deformed(t.MS0 + mv(t.S, q_e), inertia, t.S, transpose(axial(G)), G)  # Eq. 34
+
+
+def velocity_forces(t: Moments, at: Deformed, omega: Array, qd_e: Array) -> tuple[Array, Array, Array]:
+    """The force, the moment about the frame's origin and the modal forces (…, N) of the rates alone."""
+    rates = contract(qd_e, axial(np.swapaxes(t.P2, -4, -3)), np.ndim(t.m))  # (…, N, 3)
+    C = np.sum(qd_e[..., None, None] * at.G, axis=-3)
+    f_c = cross(omega, cross(omega, at.MS)) + 2.0 * cross(omega, mv(t.S, qd_e))
+    n_c = cross(omega, mv(at.inertia, omega)) + 2.0 * (trace(C)[..., None] * omega - mv(C, omega))
+    omega_k = omega[..., None, :]
+    Q_c = dot(omega_k, mv(at.G, omega_k)) - dot(omega_k, omega_k) * trace(at.G)
+    return f_c, n_c, Q_c + 2.0 * dot(omega_k, rates)
 
 
 def platform_terms(
     platform: Platform, omega: Array, q_e: Array, qd_e: Array, gravity: Array
 ) -> PlatformTerms:
     """The generalised Newton–Euler model of the platform; ω, gravity (…, 3) in Σp."""
-    t, (G, T_axial) = platform.moments, contractions(platform, q_e, qd_e)
-    symmetric = np.sum(q_e[..., None, None] * (transpose(t.P1) + G), axis=-3)
-    second = t.P0 + symmetric
-    inertia = trace(second)[..., None, None] * np.eye(3) - second
-    MS = t.MS0 + mv(t.S, q_e)  # Eq. 34
-    MS_re = transpose(axial(G))  # Eq. 34
-    C = np.sum(qd_e[..., None, None] * G, axis=-3)
-
-    f_c = cross(omega, cross(omega, MS)) + 2.0 * cross(omega, mv(t.S, qd_e))
-    n_c = cross(omega, mv(inertia, omega)) + 2.0 * (trace(C)[..., None] * omega - mv(C, omega))
-    omega_k = omega[..., None, :]
-    Q_c = dot(omega_k, mv(G, omega_k)) - dot(omega_k, omega_k) * trace(G)
-    Q_c = Q_c + 2.0 * dot(omega_k, T_axial)
+    t = platform.moments
+    at = deformed(t, q_e)
+    f_c, n_c, Q_c = velocity_forces(t, at, omega, qd_e)
     Q_e = platform.stiffness * q_e + platform.damping * qd_e - mtv(t.S, gravity)
 
-    MS_hat = skew(MS)
-    A_rr = block([[t.m * np.eye(3), -MS_hat], [MS_hat, inertia]])
-    A_re = block([[t.S], [MS_re]])
-    c_r = join([f_c - t.m * gravity, n_c - cross(MS, gravity)])
+    MS_hat = skew(at.MS)
+    A_rr = block([[t.m * np.eye(3), -MS_hat], [MS_hat, at.inertia]])
+    A_re = block([[t.S], [at.MS_re]])
+    c_r = join([f_c - t.m * gravity, n_c - cross(at.MS, gravity)])
     return PlatformTerms(A_rr, A_re, c_r, Q_c + Q_e)  # Eq. 35
 
 

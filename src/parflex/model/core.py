@@ -19,8 +19,8 @@ from parflex.kernels import joints as kernels
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.flat_state import flat_state, state_of
 from parflex.mechanics.mechanism import Mechanism, mechanism_of
-from parflex.mechanics.ordering import Joints
-from parflex.mechanics.system import System, examined, joint_accelerations
+from parflex.mechanics.ordering import Joints, by_leg
+from parflex.mechanics.system import System, examined, joint_reactions, leg_accelerations
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
@@ -107,15 +107,45 @@ def core_of(model: HasCore) -> Core:
 
 
 class LegsMoved(NamedTuple):
-    """The mechanics at a state, q̈ (…, L, n) and contact forces (…, 3k), both group by group."""
+    """The mechanics at a state, z̈ (…, L, z) and contact forces (…, 3k), both group by group."""
 
     system: System
-    qdd: list[Array]
+    zdd: list[Array]
     contact: Array
 
+    @property
+    def joints(self) -> tuple[Array, ...]:
+        """q̈, one (…, n_i) per leg."""
+        legs = zip(self.system.legs, self.zdd, strict=True)
+        return by_leg(self.system.mechanism, [zdd[..., : leg.group.chain.n] for leg, zdd in legs])
 
-def legs_moved(core: Core, state: State, forces: ArrayLike, contact: Array) -> LegsMoved:
-    """The legs under forces (…, m) and the contact forces (…, k, 3), by attachment, that go with them."""
+    @property
+    def elastic(self) -> tuple[Array, ...]:
+        """ë of flexible links, one (…, N_i) per leg."""
+        legs = zip(self.system.legs, self.zdd, strict=True)
+        return by_leg(self.system.mechanism, [zdd[..., leg.group.chain.n :] for leg, zdd in legs])
+
+    @property
+    def reactions(self) -> list[tuple[Array, Array]]:
+        """Forces and moments (…, L, n, 3) at the joints, group by group."""
+        return joint_reactions(self.system, self.zdd, self.contact)
+
+
+def legs_moved(
+    core: Core, state: State, forces: ArrayLike, contact: Array, theta: Array | None = None
+) -> LegsMoved:
+    """The legs under forces (…, m) and the contact forces (…, k, 3), by attachment, that go with them, at
+    values θ (P,) of the parameters, by default the model's.
+
+    Raises InputError for a batch of values.
+    """
+    if theta is not None and not np.array_equal(theta, core.functions.theta):
+        if theta.ndim > 1:
+            raise InputError(
+                f"parameters are a batch {theta.shape[:-1]}; the legs' accelerations are known for one value "
+                f"of each: ask model.with_parameters(…) for each"
+            )
+        core = core.at(theta)
     system, held = core.system(state), core.mechanism.attachments
     f = contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held)))
-    return LegsMoved(system, joint_accelerations(system, np.asarray(forces, dtype=float), f), f)
+    return LegsMoved(system, leg_accelerations(system, np.asarray(forces, dtype=float), f), f)

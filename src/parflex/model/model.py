@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Mapping, Sequence
 from copy import copy
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +18,7 @@ from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows
 from parflex.mechanics.output import Output
-from parflex.mechanics.system import examined, joint_reactions
+from parflex.mechanics.system import examined
 from parflex.mechanics.wrench import places_of
 from parflex.model import inputs
 from parflex.model.core import joints_at, legs_moved, made
@@ -103,7 +104,8 @@ class Model:
         self._core.check(x, found["health"])
         health.check_finite(found["platform"])
         contact = by_attachment(self._core.mechanism, found["contact"])
-        return Accelerations(found["platform"], found["elastic"], contact)
+        legs = partial(legs_moved, self._core, state, u, contact, theta)
+        return Accelerations(found["platform"], found["elastic"], contact).with_legs(legs)
 
     def inverse(
         self,
@@ -201,12 +203,8 @@ class Model:
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Wrenches = ()
     ) -> tuple[Array, ...]:
-        """q̈ (…, n_i) of each leg under given actuator forces (…, m); m/s² and rad/s².
-
-        Raises as `direct`.
-        """
-        contact = self.direct(state, forces, wrenches).contact_forces
-        return by_leg(self._core.mechanism, legs_moved(self._core, state, forces, contact).qdd)
+        """q̈ (…, n_i) of each leg under given actuator forces (…, m); m/s² and rad/s²; raises as `direct`."""
+        return self.direct(state, forces, wrenches).leg_joints
 
     def reactions(self, state: State, forces: ArrayLike, wrenches: Wrenches = ()) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
@@ -214,7 +212,7 @@ class Model:
         Raises as `direct`.
         """
         contact = self.direct(state, forces, wrenches).contact_forces
-        pairs = joint_reactions(*legs_moved(self._core, state, forces, contact))
+        pairs = legs_moved(self._core, state, forces, contact).reactions
         return Reactions(*(by_leg(self._core.mechanism, [p[i] for p in pairs], core=2) for i in (0, 1)))
 
     def energies(self, state: State) -> Energies:

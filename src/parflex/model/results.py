@@ -1,20 +1,49 @@
 """Answers of the models."""
 
+from collections.abc import Callable
+from functools import cached_property
 from typing import NamedTuple
 
 from parflex.base.array import Array
+from parflex.model.core import LegsMoved
 
 
-class Accelerations(NamedTuple):
-    """The direct model's answer, all in Σp.
-
-    platform V̇_p (…, 6) m/s², rad/s²; elastic q̈_e (…, N); contact_forces (…, k, 3) N on the
-    platform, by attachment.
-    """
+class OfPlatform(NamedTuple):
+    """The part of the direct model's answer that the platform has."""
 
     platform: Array
     elastic: Array
     contact_forces: Array
+
+
+class Accelerations(OfPlatform):
+    """The direct model's answer, all in Σp.
+
+    platform V̇_p (…, 6) m/s², rad/s²; elastic q̈_e (…, N); contact_forces (…, k, 3) N on the
+    platform, by attachment. leg_joints q̈ (…, n_i) m/s², rad/s² and leg_elastic ë (…, N_i) of flexible links
+    are one array per leg, computed when they are asked for.
+    """
+
+    _of_legs: Callable[[], LegsMoved]
+
+    def with_legs(self, legs: Callable[[], LegsMoved]) -> "Accelerations":
+        """The same answer, whose legs' part is found by a function when it is asked for."""
+        self._of_legs = legs
+        return self
+
+    @cached_property
+    def _legs(self) -> LegsMoved:
+        return self._of_legs()
+
+    @property
+    def leg_joints(self) -> tuple[Array, ...]:
+        """q̈ (…, n_i), one array per leg."""
+        return self._legs.joints
+
+    @property
+    def leg_elastic(self) -> tuple[Array, ...]:
+        """ë (…, N_i) of flexible links, one array per leg."""
+        return self._legs.elastic
 
 
 class Forces(NamedTuple):

@@ -184,7 +184,9 @@ class FlexibleBody:
             rotation_shapes=turned,
             stiffness=self.stiffness[kept],
             damping=self.damping[kept],
-            foreshortening=None if self.foreshortening is None else self.foreshortening[..., kept, :][..., kept],
+            foreshortening=None
+            if self.foreshortening is None
+            else self.foreshortening[..., kept, :][..., kept],
         )
 
     def shapes_at(self, node: int, offset: ArrayLike = (0.0, 0.0, 0.0)) -> tuple[Array, Array]:

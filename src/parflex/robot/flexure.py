@@ -1,4 +1,4 @@
-"""What a spherical joint that is a flexure does: a spring, a damper and friction against its turning."""
+"""Flexures at the tips of legs: a spring, a damper and friction against the turning of a spherical joint."""
 
 from dataclasses import dataclass
 

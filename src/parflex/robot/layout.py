@@ -56,20 +56,32 @@ class Displacements(NamedTuple):
 
 @dataclass(frozen=True)
 class Layout:
-    """N modes, how many joints of each leg are carried, the legs whose branch is an entry of the state."""
+    """N modes, how many joints of each leg are carried, the legs whose branch is an entry of the state, and
+    how many elastic coordinates each leg has.
+
+    The carried coordinates s of a leg are its carried joints, then its elastic coordinates.
+    """
 
     modes: int
     joints: tuple[int, ...] = ()
     branched: tuple[int, ...] = ()
+    elastic: tuple[int, ...] = ()
 
     @cached_property
     def carried(self) -> int:
-        """The number of joints that are carried."""
-        return sum(self.joints)
+        """The number of coordinates of the legs that are carried."""
+        return sum(self.joints) + sum(self.elastic)
+
+    @cached_property
+    def by_leg(self) -> tuple[list[slice], list[slice]]:
+        """The places of each leg's joints, and of its elastic coordinates, among those that are carried."""
+        elastic = self.elastic or (0,) * len(self.joints)
+        both = spans(*(n for pair in zip(self.joints, elastic, strict=True) for n in pair))
+        return both[::2], both[1::2]
 
     @cached_property
     def at(self) -> Places:
-        """The places of the parts: p 3, quaternion 4, v_p and ω_p 6, q_e N, q̇_e N, q, q̇ carried,
+        """The places of the parts: p 3, quaternion 4, v_p and ω_p 6, q_e N, q̇_e N, s, ṡ carried,
         branches ±1."""
         N, n = self.modes, self.carried
         return Places(*spans(3, 4, 6, N, N, n, n, len(self.branched)))
@@ -110,8 +122,8 @@ class Coordinates(NamedTuple):
     twist: Array
     elastic: Array
     elastic_rate: Array
-    q: Array  # joints that are carried, in the order of the legs
-    qd: Array
+    s: Array  # coordinates of the legs that are carried, in their order
+    sd: Array
     branches: Array  # ±1 of the legs whose branch is an entry of the state
 
 
@@ -122,7 +134,7 @@ def coordinates(x: Array, layout: Layout) -> Coordinates:
 
 
 def pack(state: State, layout: Layout) -> Array:
-    """The flat state (…, size) of a checked state; carried joints that it does not name are zero.
+    """The flat state (…, size) of a checked state; carried coordinates that it does not name are zero.
 
     All branches are +1.
     """
@@ -134,8 +146,8 @@ def pack(state: State, layout: Layout) -> Array:
         (state.twist, 6),
         (elastic_vector("elastic", state.elastic, modes), modes),
         (elastic_vector("elastic_rate", state.elastic_rate, modes), modes),
-        *carried_vectors(state.joints, layout),
-        *carried_vectors(state.joint_rates, layout),
+        *carried_vectors(state.joints, state.leg_elastic, layout),
+        *carried_vectors(state.joint_rates, state.leg_elastic_rate, layout),
         *([(np.ones(len(layout.branched)), len(layout.branched))] if layout.branched else []),
     )
     if not batch:
@@ -156,24 +168,28 @@ def checked_flat(x: ArrayLike, layout: Layout) -> Array:
 
 def unpack(x: ArrayLike, layout: Layout) -> State:
     """The state of a flat vector (…, size), without the branches; raises as `checked_flat`."""
-    c = coordinates(checked_flat(x, layout), layout)
-    return State(*c[:5], joints=by_leg(c.q, layout), joint_rates=by_leg(c.qd, layout))
+    c, (joints, elastic) = coordinates(checked_flat(x, layout), layout), layout.by_leg
+    parts = (of_legs(s, places) for places in (joints, elastic) for s in (c.s, c.sd))
+    q, qd, e, ed = parts
+    return State(*c[:5], joints=q, joint_rates=qd, leg_elastic=e, leg_elastic_rate=ed)
 
 
-def by_leg(q: Array, layout: Layout) -> tuple[Array | None, ...] | None:
-    """Carried joints (…, n) as one array per leg, None for legs that carry none."""
-    if not layout.carried:
-        return None
-    parts = zip(spans(*layout.joints), layout.joints, strict=True)
-    return tuple(q[..., part] if count else None for part, count in parts)
+def of_legs(s: Array, places: Sequence[slice]) -> tuple[Array | None, ...] | None:
+    """Parts of carried coordinates (…, n) as one array per leg, None for legs without; None where all are."""
+    found = tuple(s[..., place] if place.stop > place.start else None for place in places)
+    return None if all(part is None for part in found) else found
 
 
-def carried_vectors(values: Any, layout: Layout) -> list[tuple[Array, int]]:
-    """Carried joints of each leg, with their number."""
-    if values is None:
+def carried_vectors(joints: Any, elastic: Any, layout: Layout) -> list[tuple[Array, int]]:
+    """Carried joints and elastic coordinates of each leg, with their number."""
+    if joints is None and elastic is None:
         return [(np.zeros(layout.carried), layout.carried)] if layout.carried else []
-    pairs = zip(values, layout.joints, strict=True)
-    return [(value if count and value is not None else np.zeros(count), count) for value, count in pairs]
+    found, nothing = [], (None,) * len(layout.joints)
+    for number, pair in enumerate(zip(joints or nothing, elastic or nothing, strict=True)):
+        for value, places in zip(pair, layout.by_leg, strict=True):
+            count = places[number].stop - places[number].start
+            found.append((value if count and value is not None else np.zeros(count), count))
+    return found
 
 
 def elastic_vector(name: str, value: ArrayLike, modes: int) -> Array:

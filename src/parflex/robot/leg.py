@@ -128,7 +128,7 @@ class Tip:
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """A tree of joints on the base, of rigid and flexible links: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
+    """A tree of joints on the base: `rotation` (3, 3) and `origin` (3,) m of Σ0i in Σ0.
 
     Without joints it is a post, whose tips are on frame 0: spherical joints that stand on the base.
     `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
@@ -179,6 +179,11 @@ class Leg:
         """The number of elastic coordinates of each link; zero for rigid ones."""
         return tuple(0 if joint.body is None else joint.body.modes for joint in self.joints)
 
+    @property
+    def size(self) -> int:
+        """The number of coordinates z = (q, e) of the leg."""
+        return len(self.joints) + sum(self.modes)
+
     @cached_property
     def seats(self) -> Seats:
         """The attachments of flexible links at which joints and tips sit."""
@@ -216,7 +221,7 @@ def placed(joint: Joint) -> tuple[Array, Array]:
 
 
 def check_link(joint: Joint) -> None:
-    """Raise InputError where a flexible link has a mass of its own as well, or is not clamped at its frame."""
+    """Raise InputError where a flexible link has its mass twice, or is not clamped at its frame."""
     body = joint.body
     assert body is not None
     if joint.M or np.any(joint.MS) or np.any(joint.I):

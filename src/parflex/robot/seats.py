@@ -55,7 +55,7 @@ def seat(body: FlexibleBody, point: Array, axis: Array, what: str) -> int:
     near = int(np.argmin(off))
     where = "its axis passes" if np.any(axis) else "it is"
     raise InputError(
-        f"{what}, which is flexible, is at none of its attachments: {where} {off[near]:.4g} m from the nearest, "
-        f"number {near} at {listed(body.attachment_points[near])} m; place it there, or give the body an "
-        f"attachment at {listed(point)} m"
+        f"{what}, which is flexible, is at none of its attachments: {where} {off[near]:.4g} m from the "
+        f"nearest, number {near} at {listed(body.attachment_points[near])} m; place it there, or give "
+        f"the body an attachment at {listed(point)} m"
     )

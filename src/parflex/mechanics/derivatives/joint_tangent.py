@@ -9,9 +9,10 @@ from parflex.base.dual import jacobian
 from parflex.base.unroll import each
 from parflex.mechanics import chain
 from parflex.mechanics.derivatives.tangent import blockwise, leg_seeds
+from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
-from parflex.mechanics.system import LegTerms, System, by_group
+from parflex.mechanics.system import System, by_group
 from parflex.robot.layout import Coordinates
 
 

@@ -29,7 +29,7 @@ from parflex.mechanics.kinematics import unstacked
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 from parflex.mechanics.platform import Platform, platform_terms
-from parflex.mechanics.system import System, by_group, diagonal, joint_accelerations
+from parflex.mechanics.system import System, by_group, diagonal, leg_accelerations
 from parflex.robot.layout import Coordinates
 
 Load = Callable[[Coordinates], Array]  # external generalised force (…, 6 + N)
@@ -63,7 +63,7 @@ def solved(system: System, u: Array, load: Array) -> Solved:
     MW = np.concatenate(acceleration_map(system, contact, np.eye(f.shape[-1])), axis=-2)
     Y = contact_response(mechanism, contact.C, MW)
     Q = each(lambda m, y, MW: m - y @ transpose(MW), [inverse_inertia(mechanism.platform, contact), Y], [MW])
-    qdd = joint_accelerations(system, u, f)
+    qdd = leg_accelerations(system, u, f)
     return Solved(join([Vd, qdd_e]), f, qdd, Y, Q, contact.JAS)
 
 
@@ -136,7 +136,7 @@ def residuals(system: System, at: Solved) -> Array:
     for group, leg, qdd, f in zip(mechanism.groups, system.legs, at.qdd, tips, strict=True):
         gravity = mtv(group.rotation, mechanism.gravity)
         rest = leg_residual(group.on(leg.branch), leg_seeds(leg, x), qdd, mv(leg.R_ip, f), gravity)
-        parts.append(merged(rest[..., : group.chain.n]))
+        parts.append(merged(rest[..., : group.chain.size]))
     gravity = mtv(x.rotation, mechanism.gravity)
     A_rr, A_re, c_r, c_e = platform_terms(platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity)
     Vd, qdd_e = at.a[..., :6], at.a[..., 6:]
@@ -195,7 +195,7 @@ def closure_changes(system: System, qdd: list[Array], f: Array, a: Array) -> Arr
         batch = np.broadcast_shapes(*(c.shape[:-2] for c in columns), leg.J.shape[:-2])
         wide = np.concatenate([np.broadcast_to(c, batch + c.shape[-2:]) for c in columns], axis=-1)
         rows.append(wide.reshape((*wide.shape[:-3], len(Phi) * count, wide.shape[-1])))
-        joints.append((block_diagonal(found.joints), block_diagonal(found.joint_rates)))
+        joints.append((block_diagonal(found.kept), block_diagonal(found.kept_rates)))
     by_joint = [diagonal([part[i] for part in joints])[..., system.mechanism.carried_order] for i in (0, 1)]
     every = block([[np.zeros((0, 12 + 2 * shapes.shape[-1]))], *([part] for part in rows)])
     return block([[every, *by_joint]])

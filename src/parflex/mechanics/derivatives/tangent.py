@@ -1,6 +1,6 @@
 """Derivatives of the equations of platform and legs by the state, at fixed accelerations and forces.
 
-Small motions of the state are (δp 3 in Σ0, δθ 3 in Σp, δv_p 3, δω_p 3, δq_e N, δq̇_e N[, δq, δq̇]), with
+Small motions of the state are (δp 3 in Σ0, δθ 3 in Σp, δv_p 3, δω_p 3, δq_e N, δq̇_e N[, δs, δṡ]), with
 the attitude turned by R → R (1 + δθ̂).
 """
 
@@ -8,16 +8,16 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, block, cross, join, merged, mtv, mv, skew, stack, transpose
+from parflex.base.array import Array, block, cross, join, merged, mtv, mv, skew, split, stack, transpose
 from parflex.base.dual import jacobian
 from parflex.base.spatial import axial
 from parflex.base.unroll import contract, solve_definite
-from parflex.mechanics import chain
+from parflex.mechanics import chain, recursion
+from parflex.mechanics.leg_terms import LegTerms, rates_of
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.platform import Platform, contractions
-from parflex.mechanics.system import LegTerms
+from parflex.mechanics.platform import Platform, deformed
 from parflex.robot.layout import Coordinates
 
 
@@ -31,15 +31,15 @@ class PlatformTangent(NamedTuple):
 
 
 class LegTangent(NamedTuple):
-    """∂(J q̈ + J̇q̇) − J A⁻¹ ∂(A q̈ + c + Jᵀ f) of L legs at fixed q̈ and f, resolved in Σp.
+    """∂(J z̈ + J̇ż) − J A⁻¹ ∂(A z̈ + c + Jᵀ f) of L legs at fixed z̈ and f, resolved in Σp.
 
-    By the places and velocities of the leg's tips, in Σp, or by joints that the state carries.
+    By the places and velocities of the leg's tips, in Σp, and by coordinates that the state carries.
     """
 
-    place: Array  # (…, L, 3t, 3t)
+    place: Array  # (…, L, 3t, 3t), zero where joints are carried
     velocity: Array  # (…, L, 3t, 3t)
-    joints: Array  # (…, L, 3t, n), n = 0 where no joints are carried
-    joint_rates: Array  # (…, L, 3t, n)
+    kept: Array  # (…, L, 3t, s)
+    kept_rates: Array  # (…, L, 3t, s)
     mobility: Array  # (…, L, 3t, 3t), J A⁻¹ Jᵀ
 
 
@@ -51,7 +51,7 @@ def platform_tangent(platform: Platform, x: Coordinates, gravity: Array, a: Arra
     x at one state, gravity (…, 3) in Σp, a (…, 6 + N).
     """
     t, omega, q_e, qd_e = platform.moments, x.twist[..., 3:], x.elastic, x.elastic_rate
-    G = contractions(platform, q_e, qd_e).G
+    G = deformed(t, q_e).G
     rates, accelerations = contract(qd_e, t.P2), contract(a[..., 6:], t.P2)  # ∫ (Φ q̇) Φ_jᵀ, ∫ (Φ q̈) Φ_jᵀ
     w = skew(omega)
     Omega = skew(a[..., 3:6]) + w @ w
@@ -95,71 +95,85 @@ def platform_tangent(platform: Platform, x: Coordinates, gravity: Array, a: Arra
     )
 
 
-def leg_tangent(mechanism: Mechanism, leg: LegTerms, x: Coordinates, qdd: Array, f: Array) -> LegTangent:
-    """The legs of a group with accelerations q̈ (…, L, n) under contact forces f (…, L, t, 3) in Σp."""
-    group, carries = leg.group, leg.group.type.carries
-    n, rows = group.chain.n, 3 * len(group.tip_frames)
+def leg_tangent(mechanism: Mechanism, leg: LegTerms, x: Coordinates, zdd: Array, f: Array) -> LegTangent:
+    """The legs of a group with accelerations z̈ (…, L, z) under contact forces f (…, L, t, 3) in Σp."""
+    group = leg.group
+    z, rows, s = group.chain.size, 3 * len(group.tip_frames), len(group.kept)
     force = mv(leg.R_ip, f)
-    found = residual_tangent(mechanism, leg, leg_seeds(leg, x), qdd, force)
+    found = residual_tangent(mechanism, leg, leg_seeds(leg, x), zdd, force)
     R_pi = transpose(leg.R_ip[..., 0, :, :])
     JA = transpose(solve_definite(leg.A, transpose(leg.J)))
-    H = blockwise(R_pi, found[..., n:, :]) - JA @ found[..., :n, :]
+    H = blockwise(R_pi, found[..., z:, :]) - JA @ found[..., :z, :]
     mobility = JA @ transpose(leg.J)
-    if carries:
+    own = H[..., H.shape[-1] - 2 * s :]
+    if group.type.carries:
         still = np.zeros((rows, rows))
-        return LegTangent(still, still, H[..., :n], H[..., n:], mobility)
-    H = transpose(blockwise(R_pi, transpose(H)))
-    return LegTangent(H[..., :rows], H[..., rows:], H[..., :0], H[..., :0], mobility)
+        return LegTangent(still, still, own[..., :s], own[..., s:], mobility)
+    H = transpose(blockwise(R_pi, transpose(H[..., : 2 * rows])))
+    return LegTangent(H[..., :rows], H[..., rows:], own[..., :s], own[..., s:], mobility)
 
 
 def leg_seeds(leg: LegTerms, x: Coordinates) -> Array:
     """The arguments of the equations of the legs: see `leg_residual`."""
     carried = leg.group.carried
+    own = [x.s[..., carried], x.sd[..., carried]]
     if leg.group.type.carries:
-        return join([x.q[..., carried], x.qd[..., carried]])
-    return join([merged(leg.place), merged(leg.velocity)])
+        return join(own)
+    return join([merged(leg.place), merged(leg.velocity), *own])
 
 
-def residual_tangent(mechanism: Mechanism, leg: LegTerms, seeds: Array, qdd: Array, force: Array) -> Array:
-    """∂ of `leg_residual` by its seeds, (…, L, n + 3t, d); (…, L)."""
+def residual_tangent(mechanism: Mechanism, leg: LegTerms, seeds: Array, zdd: Array, force: Array) -> Array:
+    """∂ of `leg_residual` by its seeds, (…, L, z + 3t, d); (…, L)."""
     push = (len(leg.group.tip_frames), 3)
 
     def tangent(group: LegGroup, *given: Array) -> Array:
-        seeds, qdd, force, branch, gravity = given
+        seeds, zdd, force, branch, gravity = given
         group, force = group.on(branch), force.reshape(force.shape[:-1] + push)
         local = mtv(group.rotation, gravity)
-        return jacobian(lambda x: leg_residual(group, x, qdd, force, local), seeds)
+        return jacobian(lambda x: leg_residual(group, x, zdd, force, local), seeds)
 
-    rows = [seeds, qdd, merged(force), leg.branch]
+    rows = [seeds, zdd, merged(force), leg.branch]
     found: Array = each_leg(leg.group, tangent, rows, [mechanism.gravity])
     return found
 
 
-def leg_residual(group: LegGroup, seeds: Array, qdd: Array, force: Array, gravity: Array) -> Array:
-    """(A q̈ + c + Jᵀ f, J q̈ + J̇q̇): (…, L, n + 3t) in Σ0i.
+class Seeds(NamedTuple):
+    """The arguments of the equations of the legs: the carried coordinates with their rates, and the places
+    and velocities (…, L, t, 3) of the tips in Σ0i, which legs that carry their joints do not read."""
 
-    seeds are places and velocities of the tips, or q and q̇; force (…, L, t, 3), gravity (L, 3); all in
-    Σ0i.
+    place: Array
+    velocity: Array
+    s: Array
+    sd: Array
+
+
+def seeds_of(group: LegGroup, flat: Array) -> Seeds:
+    """The parts of seeds (…, L, d) that stand side by side."""
+    t, s = len(group.tip_frames), len(group.kept)
+    if group.type.carries:
+        still = np.zeros((t, 3))
+        return Seeds(still, still, flat[..., :s], flat[..., s:])
+    return Seeds(*split(flat, [(t, 3), (t, 3), (s,), (s,)]))
+
+
+def leg_residual(group: LegGroup, seeds: Array, zdd: Array, force: Array, gravity: Array) -> Array:
+    """(A z̈ + c + Jᵀ f, J z̈ + J̇ż): (…, L, z + 3t) in Σ0i.
+
+    seeds as in `Seeds`, side by side; force (…, L, t, 3), gravity (L, 3); all in Σ0i.
     """
-    c, half = group.chain, seeds.shape[-1] // 2
-    first, second = seeds[..., :half], seeds[..., half:]
-    place = velocity = np.zeros((1, 3))
-    if not group.type.carries:
-        by_tip = (*seeds.shape[:-1], len(group.tip_frames), 3)
-        place, velocity = first.reshape(by_tip), second.reshape(by_tip)
-    joints = group.type.joints(group, place, first)
-    frames = chain.frames(c, joints)
-    qd = group.type.rates(group, frames, joints, place, velocity, second)
-    motions = chain.link_motions(c, frames, qd, qdd, gravity)
-    tips, accelerations = chain.unloaded(c), []
-    for t, j in enumerate(group.tip_frames):
-        offset, (omega, omegad, vd) = group.offsets[:, t], motions[j]
-        push = mtv(frames.R_0j[j], force[..., t, :])
-        tips.force[j], tips.moment[j] = tips.force[j] + push, tips.moment[j] + cross(offset, push)
-        accelerations.append(mv(frames.R_0j[j], vd + chain.point_acceleration(omega, omegad, offset)))
-    torque = chain.inverse_dynamics(c, frames, motions, qdd, tips)
-    torque = torque + chain.friction(c, qd) + c.k * chain.stretch(c, joints)
-    return join([torque, *accelerations])
+    c, at = group.chain, seeds_of(group, seeds)
+    joints = group.type.joints(group, at.place, at.s)
+    frames, tips = chain.frames(c, joints), group.points(joints.bend)
+    J = [chain.tip_jacobian(c, frames, tip) for tip in tips] if any(c.modes) else []
+    zd = rates_of(group, frames, joints, J, at.place, at.velocity, at.sd)
+    motions = recursion.link_motions(c, frames, zd, zdd, gravity)
+    loads, accelerations = recursion.unloaded(c), []
+    for t, tip in enumerate(tips):
+        R = frames.R_0j[tip.link]
+        recursion.with_push(loads, tip, mtv(R, force[..., t, :]))
+        accelerations.append(mv(R, recursion.tip_acceleration(c, motions, tip, zd, zdd)))
+    torque = recursion.inverse_dynamics(c, frames, motions, zd, zdd, loads)
+    return join([torque + recursion.passive(c, joints, zd), *accelerations])
 
 
 def blockwise(R: Array, a: Array) -> Array:

@@ -1,13 +1,16 @@
 """Legs of a group one by one: what is traced for one of them serves all that are alike."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from parflex.base.array import Array, split
 from parflex.base.unroll import each, recorder
+from parflex.mechanics.flexures import Flexures
 from parflex.mechanics.legs.base import LegGroup
+from parflex.mechanics.link import tables_of, with_tables
 
 STANDS = ("rotation", "origin")
 FORM = ("offsets", "branch", "posture")
@@ -17,7 +20,8 @@ def alike(group: LegGroup) -> bool:
     """True where the legs differ in nothing but inertia, friction, springs and where they stand."""
     chain = group.chain
     tables = [chain.tables[name] for name, column in chain.columns.items() if column.alike]
-    tables += [group.offsets, group.branch]
+    tables += [group.offsets, group.branch, *(group.flexures or ())]
+    tables += [table for link in group.chain.links if link is not None for table in tables_of(link)]
     return all(np.all(table == table[:1]) for table in tables)
 
 
@@ -51,6 +55,9 @@ def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
     count, names = len(tables[0]), own(group)
     same = {name: table[:count] for name, table in group.chain.tables.items()}
     chain = group.chain.with_tables(same | dict(zip(names, tables, strict=False)))
+    links = (link and with_tables(link, [table[:count] for table in tables_of(link)]) for link in chain.links)
+    chain = replace(chain, links=tuple(links))
     form: dict[str, Any] = {name: getattr(group, name)[:count] for name in FORM}
+    form["flexures"] = group.flexures and Flexures(*(table[:count] for table in group.flexures))
     form |= dict(zip(STANDS, tables[len(names) :], strict=True))
     return group._replace(legs=group.legs[:count], chain=chain, **form)

@@ -6,7 +6,8 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, stack
-from parflex.mechanics.chain import Chain, Frames, Joints, frames, tip_position
+from parflex.mechanics.chain import Chain, Frames, Joints, Point, frames, seat_on, tip_position
+from parflex.mechanics.flexures import Flexures
 from parflex.robot.leg import Leg
 
 
@@ -19,6 +20,7 @@ class LegGroup(NamedTuple):
     rotation: Array  # (L, 3, 3)
     origin: Array  # (L, 3)
     tip_frames: tuple[int, ...]  # index of the link that carries each of the t tips
+    tip_seats: tuple[int, ...]  # the attachment of its link that each tip is on; −1 on rigid ones
     offsets: Array  # (L, t, 3)
     attachments: Array  # (L, t) int
     actuated: tuple[int, ...]  # joint indices
@@ -26,7 +28,9 @@ class LegGroup(NamedTuple):
     posture: Array  # (L, n)
     branch: Array  # (…, L), ±1: the solution of the inverse geometry
     branched: Array  # (L, 1) int, positions among the state's branches; (L, 0) where the branch is fixed
-    carried: Array  # (L, n) int, positions in the joints that the state carries; (L, 0) for none
+    kept: tuple[int, ...]  # the coordinates z of a leg that the state carries
+    carried: Array  # (L, kept) int, their positions among all coordinates that the state carries
+    flexures: Flexures | None  # of the tips
 
     def on(self, branch: Array) -> "LegGroup":
         """The group on a branch (…, L, 1) of the state; as it is for (…, L, 0)."""
@@ -35,14 +39,27 @@ class LegGroup(NamedTuple):
     @property
     def closed(self) -> bool:
         """True where the closure holds by itself: each tip is where the platform has it."""
-        return self.carried.shape[1] == 0 and 3 * len(self.tip_frames) == self.chain.n
+        return not self.type.carries and 3 * len(self.tip_frames) == self.chain.n
+
+    def bend(self, kept: Array) -> Array:
+        """The elastic coordinates (…, L, ΣN) of those that the state carries (…, L, kept), or their rates."""
+        return kept[..., kept.shape[-1] - (self.chain.size - self.chain.n) :]
+
+    def points(self, bend: Array) -> list[Point]:
+        """The tips on their links, which are bent by (…, L, ΣN)."""
+        found = []
+        for t, (j, attachment) in enumerate(zip(self.tip_frames, self.tip_seats, strict=True)):
+            seat = seat_on(self.chain, j, attachment, bend)
+            found.append(Point(j, self.offsets[:, t] if seat is None else seat.place, seat))
+        return found
 
 
 class LegType(ABC):
     """The inverse geometry of one kind of leg, found by its table.
 
-    Where a leg has fewer joints than its tips have coordinates, the formulas hold for tips that the
-    leg can reach exactly, and are smooth about them.
+    Of legs that carry no joints the state still carries the elastic coordinates e of flexible links: the
+    formulas hold for the leg as it is bent. Where a leg has fewer joints than its tips have coordinates, they
+    hold for tips that the leg can reach exactly, and are smooth about them.
     """
 
     name: str
@@ -58,14 +75,18 @@ class LegType(ABC):
         return np.ones(len(group.legs))
 
     @abstractmethod
-    def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
-        """Joint variables from the tip positions (…, L, t, 3) in Σ0i; q (…, L, n) where carried."""
+    def joints(self, group: LegGroup, tips: Array, kept: Array) -> Joints:
+        """Joint variables from the tip positions (…, L, t, 3) in Σ0i and carried coordinates (…, L, kept)."""
 
     @abstractmethod
     def rates(
-        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
+        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, kept: Array
     ) -> Array:
-        """Joint rates q̇ (…, L, n) from the tips' positions and velocities (…, L, t, 3) in Σ0i."""
+        """Joint rates q̇ (…, L, n) from positions and velocities (…, L, t, 3) of the tips in Σ0i, and carried
+        rates.
+
+        The velocities are those that joints give to the tips: without what the links' bending gives.
+        """
 
     @abstractmethod
     def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
@@ -73,22 +94,23 @@ class LegType(ABC):
         the leg cannot reach its tips, the second is zero where its inverse geometry is singular."""
 
 
-def joints_at(chain: Chain, q: Array) -> Joints:
-    """Joint variables of given positions q (…, L, n)."""
+def joints_at(chain: Chain, q: Array, bend: Array | None = None) -> Joints:
+    """Joint variables of given positions q (…, L, n), of links that are bent (…, L, ΣN) or not."""
     slides = chain.sigma
+    still = np.zeros((*q.shape[:-1], chain.size - chain.n))
     one, zero = np.ones(()), np.zeros(())
     return Joints(
         cos=stack([one if slide else np.cos(q[..., j]) for j, slide in enumerate(slides)]),
         sin=stack([zero if slide else np.sin(q[..., j]) for j, slide in enumerate(slides)]),
         length=stack([q[..., j] if slide else zero for j, slide in enumerate(slides)]),
+        bend=still if bend is None else bend,
     )
 
 
 def tips_at(group: LegGroup, joints: Joints) -> Array:
     """Tip positions (…, L, t, 3) in Σ0i."""
     frame = frames(group.chain, joints)
-    places = [tip_position(frame, j, group.offsets[:, t]) for t, j in enumerate(group.tip_frames)]
-    return stack(places, axis=-2)
+    return stack([tip_position(frame, point) for point in group.points(joints.bend)], axis=-2)
 
 
 def settled(group: LegGroup) -> LegGroup | None:
@@ -97,6 +119,6 @@ def settled(group: LegGroup) -> LegGroup | None:
     tips = tips_at(group, given)
     with np.errstate(invalid="ignore", divide="ignore"):
         chosen = group._replace(branch=group.type.branch(group, given, tips))
-        found = group.type.joints(chosen, tips, group.posture)
+        found = group.type.joints(chosen, tips, given.bend)
     agree = all(np.allclose(a, b, rtol=0, atol=1e-6) for a, b in zip(found, given, strict=True))
     return chosen if agree else None

@@ -9,7 +9,7 @@ from parflex.robot.leg import Leg
 
 
 class Carried(LegType):
-    """A tree without closed form: q and q̇ are part of the state, solved by Newton at the door."""
+    """A tree without closed form: z and ż are part of the state, its joints solved by Newton at the door."""
 
     name = "Newton"
     carries = True
@@ -18,15 +18,15 @@ class Carried(LegType):
         """Every leg."""
         return True
 
-    def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
+    def joints(self, group: LegGroup, tips: Array, kept: Array) -> Joints:
         """The joints that the state carries."""
-        return joints_at(group.chain, q)
+        return joints_at(group.chain, kept[..., : group.chain.n], group.bend(kept))
 
     def rates(
-        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
+        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, kept: Array
     ) -> Array:
         """The rates that the state carries."""
-        return qd
+        return kept[..., : group.chain.n]
 
     def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
         """No margins: a carried leg fails by the closure, which is checked for itself."""

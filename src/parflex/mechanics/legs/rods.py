@@ -9,23 +9,24 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, cross, dot, mtv, mv, stack
-from parflex.base.spatial import rotation_about_z
-from parflex.mechanics.chain import E_Z, Frames, Joints, placement
+from parflex.mechanics.chain import Frames, Joints, joint_seat, placement
 from parflex.mechanics.legs.base import LegGroup, LegType
+from parflex.mechanics.legs.universal import in_outward_axes, turned, universal
 from parflex.mechanics.legs.ups import QUARTER, in_first_frame
+from parflex.mechanics.recursion import E_Z
 from parflex.robot.leg import Leg, deviations
 
 
 class Rod(NamedTuple):
-    """One rod of L legs, in the axes of link 1 unless noted."""
+    """One rod of L legs, in the axes of link 1 unless noted; link and rod may be bent."""
 
     first: int  # index of the knuckle's first joint
     last: int  # of its last, the same for a hinge
-    elbow: Array  # (L, 3), a point on the knuckle; for a hinge in the plane of the tip
-    R: Array  # (L, 3, 3), axes of the knuckle's first joint at zero
+    elbow: Array  # (…, L, 3), a point on the knuckle; for a hinge in the plane of the tip
+    R: Array  # (…, L, 3, 3), axes of the knuckle's first joint at zero
     side: Array  # (L,), ±1, sense of the second axis
-    length: Array  # (L,) m
-    heading: Array  # (L,) rad, of the rod in its own frame
+    length: Array  # (…, L) m
+    tip: Array  # (…, L, 3), unit vector to the tip in the rod's own frame; of a hinge in its plane
 
 
 class Rods(LegType):
@@ -59,11 +60,12 @@ class Rods(LegType):
         every = sorted(used) == list(range(1, len(leg.joints) + 1))
         turning = "P" not in leg.pattern[1:]
         long = all(np.hypot(*np.asarray(tip.offset)[:2]) > 0 for tip in leg.tips)
-        return every and turning and long
+        rigid = not any(leg.modes[k - 1] for tip in leg.tips if (k := leg.antecedents[tip.frame - 1]) > 1)
+        return every and turning and long and rigid
 
     def branch(self, group: LegGroup, joints: Joints, tips: Array) -> Array:
         """The sign of the square root."""
-        u, rod = in_first_frame(group, tips[..., 0, :]), rods(group)[0]
+        u, rod = in_first_frame(group, tips[..., 0, :]), rods(group, joints.bend)[0]
         if group.chain.sigma[0]:
             root = (u - rod.elbow)[..., 2] - joints.length[..., 0]
         else:
@@ -71,9 +73,9 @@ class Rods(LegType):
             root = A * joints.sin[..., 0] - B * joints.cos[..., 0]
         return np.where(root < 0, -1.0, 1.0)
 
-    def joints(self, group: LegGroup, tips: Array, q: Array) -> Joints:
+    def joints(self, group: LegGroup, tips: Array, kept: Array) -> Joints:
         """q_1 from the first rod's length, the knuckles from the rods' directions."""
-        sigma, hung = group.chain.sigma, rods(group)
+        sigma, hung = group.chain.sigma, rods(group, group.bend(kept))
         one, zero = np.ones(()), np.zeros(())
         cos, sin, length = [one] * len(sigma), [zero] * len(sigma), [zero] * len(sigma)
         u = in_first_frame(group, tips[..., 0, :])
@@ -84,19 +86,21 @@ class Rods(LegType):
             cos[0], sin[0] = self._crank_angle(group, u, hung[0])
         for t, rod in enumerate(hung):
             w = self._along(group, tips[..., t, :], rod, cos[0], sin[0], length[0])
-            radius = np.sqrt(w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1])
-            cos[rod.first], sin[rod.first] = w[..., 0] / radius, w[..., 1] / radius
             if rod.last > rod.first:
-                full = np.sqrt(dot(w, w))
-                cos[rod.last], sin[rod.last] = radius / full, rod.side * w[..., 2] / full
-            cos[rod.last], sin[rod.last] = turned_back(cos[rod.last], sin[rod.last], rod.heading)
-        return Joints(stack(cos), stack(sin), stack(length))
+                way = w / np.sqrt(dot(w, w))[..., None]
+                (cos[rod.first], sin[rod.first]), second, _ = universal(way, rod.tip, rod.side)
+                cos[rod.last], sin[rod.last] = second
+            else:
+                radius, x, y = np.sqrt(level_square(w)), rod.tip[..., 0], rod.tip[..., 1]
+                c, s = w[..., 0] / radius, w[..., 1] / radius
+                cos[rod.last], sin[rod.last] = c * x + s * y, s * x - c * y
+        return Joints(stack(cos), stack(sin), stack(length), kept)
 
     def rates(
-        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, qd: Array
+        self, group: LegGroup, frames: Frames, joints: Joints, tips: Array, v: Array, kept: Array
     ) -> Array:
         """q̇_1 keeps the first rod's length; the rest of the tips' velocities turns the knuckles."""
-        slides, hung = group.chain.sigma[0], rods(group)
+        slides, hung = group.chain.sigma[0], rods(group, joints.bend)
         c, s, length = joints.cos[..., 0], joints.sin[..., 0], joints.length[..., 0]
         R_01 = placement(group.chain, 0)[0]
         rates: list[Array] = [np.zeros(())] * group.chain.n
@@ -109,18 +113,23 @@ class Rods(LegType):
                 rates[0] = dot(along, v_1) / lever[..., 2]
             travel = E_Z if slides else cross(E_Z, rod.elbow + along)
             wd = mtv(rod.R, v_1 - rates[0][..., None] * travel)
-            radius = np.sqrt(w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1])
-            ca, sa = w[..., 0] / radius, w[..., 1] / radius
-            rates[rod.first] = (ca * wd[..., 1] - sa * wd[..., 0]) / radius
-            if rod.last > rod.first:
-                outward = ca * wd[..., 0] + sa * wd[..., 1]
-                full = dot(w, w)
-                rates[rod.last] = rod.side * (radius * wd[..., 2] - w[..., 2] * outward) / full
+            if rod.last == rod.first:
+                radius = np.sqrt(level_square(w))
+                rates[rod.first] = (w[..., 0] * wd[..., 1] - w[..., 1] * wd[..., 0]) / (radius * radius)
+                continue
+            at = joints.cos[..., rod.first], joints.sin[..., rod.first]
+            outward, rise, across = in_outward_axes(w, at, rod.side)
+            v_outward, v_rise, v_across = in_outward_axes(wd, at, rod.side)
+            rates[rod.first] = -rod.side * v_across / outward
+            if group.chain.links[rod.last] is not None:
+                v_outward = v_outward - rod.side * across * rates[rod.first]
+            full = outward * outward + rise * rise
+            rates[rod.last] = rod.side * (outward * v_rise - rise * v_outward) / full
         return stack(rates)
 
     def margins(self, group: LegGroup, joints: Joints, tips: Array) -> tuple[Array, Array]:
         """The square under the root, and the root times the rods' cosines over their first axes."""
-        u, hung = in_first_frame(group, tips[..., 0, :]), rods(group)
+        u, hung = in_first_frame(group, tips[..., 0, :]), rods(group, joints.bend)
         square = self._square(group, u, hung[0])
         if group.chain.sigma[0]:
             reach = square / (hung[0].length * hung[0].length)
@@ -131,8 +140,7 @@ class Rods(LegType):
         for t, rod in enumerate(hung):
             at = (joints.cos[..., 0], joints.sin[..., 0], joints.length[..., 0])
             w = self._along(group, tips[..., t, :], rod, *at)
-            level = w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1]
-            regular = regular * np.sqrt(level / dot(w, w))
+            regular = regular * np.sqrt(level_square(w) / dot(w, w))
         return reach, regular
 
     def _square(self, group: LegGroup, u: Array, rod: Rod) -> Array:
@@ -158,33 +166,31 @@ class Rods(LegType):
 def crank(u: Array, rod: Rod) -> tuple[Array, Array, Array]:
     """A, B, k of |u − Rot(z, q1) e|² = ℓ² written as A cos q1 + B sin q1 = k."""
     e = rod.elbow
-    A = u[..., 0] * e[:, 0] + u[..., 1] * e[:, 1]
-    B = u[..., 1] * e[:, 0] - u[..., 0] * e[:, 1]
-    k = 0.5 * (dot(u, u) + dot(e, e) - rod.length * rod.length) - u[..., 2] * e[:, 2]
+    A = u[..., 0] * e[..., 0] + u[..., 1] * e[..., 1]
+    B = u[..., 1] * e[..., 0] - u[..., 0] * e[..., 1]
+    k = 0.5 * (dot(u, u) + dot(e, e) - rod.length * rod.length) - u[..., 2] * e[..., 2]
     return A, B, k
 
 
-def rods(group: LegGroup) -> list[Rod]:
-    """The rods by tip."""
+def rods(group: LegGroup, bend: Array) -> list[Rod]:
+    """The rods by tip, of links that are bent by (…, L, ΣN)."""
     found = []
-    for t, last in enumerate(group.tip_frames):
+    for point in group.points(bend):
+        last = point.link
         first = last if group.chain.antecedent[last] == 0 else group.chain.antecedent[last]
         R, p = placement(group.chain, first)
-        offset = group.offsets[:, t]
-        lift = offset[:, 2:] * R[..., 2]
-        side = np.sign(group.chain.alpha[:, last]) if last > first else np.ones(len(p))
-        length, heading = np.hypot(offset[:, 0], offset[:, 1]), np.arctan2(offset[:, 1], offset[:, 0])
-        found.append(Rod(first, last, p + lift, R, side, length, heading))
+        seat = joint_seat(group.chain, first, bend)
+        if seat is not None:
+            R, p = seat.turn @ R, seat.place + mv(seat.turn, p - seat.rest)
+        side, tip = np.sign(group.chain.alpha[:, last]), point.place
+        if last == first:
+            p = p + tip[..., 2:] * R[..., 2]
+            side, tip = np.ones(len(side)), tip * np.array([1.0, 1.0, 0.0])
+        length = np.sqrt(dot(tip, tip))
+        found.append(Rod(first, last, p, R, side, length, tip / length[..., None]))
     return found
 
 
-def turned(x: Array, c: Array, s: Array) -> Array:
-    """Rot(z, angle) x for the (cos, sin) of an angle."""
-    return stack([c * x[..., 0] - s * x[..., 1], s * x[..., 0] + c * x[..., 1], x[..., 2]])
-
-
-def turned_back(c: Array, s: Array, angle: Array) -> tuple[Array, Array]:
-    """(cos, sin) of an angle less a constant one."""
-    R = rotation_about_z(angle)
-    c0, s0 = R[:, 0, 0], R[:, 1, 0]
-    return c * c0 + s * s0, s * c0 - c * s0
+def level_square(w: Array) -> Array:
+    """The square of what a vector has across the third axis."""
+    return w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1]

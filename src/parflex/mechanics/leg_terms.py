@@ -1,0 +1,180 @@
+"""The terms of the legs at a state: inertia, forces and Jacobians in their coordinates z = (q, e)."""
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, join, merged, mtv, mv, split, stack, transpose
+from parflex.mechanics import chain, recursion
+from parflex.mechanics.chain import Frames, Point
+from parflex.mechanics.flexures import bent_angle, moments, relative_spin
+from parflex.mechanics.inertia import inertia_matrix
+from parflex.mechanics.legs.alike import each_leg
+from parflex.mechanics.legs.base import LegGroup
+from parflex.robot.layout import Coordinates
+
+EMPTY: Any = ()  # a tree without arrays
+
+
+class LegTerms(NamedTuple):
+    """The model of the L legs of a group in their coordinates z = (q, e), joints and elastic coordinates:
+    A z̈ + c = S Γ − Jᵀ f; J, J̇ż and gaps resolved in Σp."""
+
+    group: LegGroup
+    joints: chain.Joints
+    frames: Frames
+    zd: Array  # (…, L, z)
+    A: Array  # (…, L, z, z)
+    c: Array  # (…, L, z)
+    J: Array  # (…, L, 3t, z)
+    Jdqd: Array  # (…, L, 3t)
+    gap: Array  # (…, L, 3t), from the platform's points to the tips; zero for closed legs
+    gap_rate: Array  # (…, L, 3t)
+    reach: Array  # (…, L), of order 1; not positive where the leg cannot reach its tips
+    regularity: Array  # (…, L), of order 1; zero where the inverse geometry is singular
+    branch: Array  # (…, L, 1), ±1 as the state has it; (…, L, 0) where the branch is fixed
+    R_ip: Array  # (…, L, 1, 3, 3), axes of Σp in Σ0i
+    place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
+    velocity: Array  # (…, L, t, 3)
+    bending: Array  # θ (…, L, t, 3) of the flexures at the tips; (…, L, 0, 3) without flexures
+    spin: (
+        Array  # (…, L, t, 3), angular velocity of the legs' sections relative to the platform's, in its axes
+    )
+    moment: Array  # (…, L, t, 3), of the flexures on the platform, in Σp
+
+    @property
+    def qd(self) -> Array:
+        """Joint rates (…, L, n)."""
+        return self.zd[..., : self.joints.cos.shape[-1]]
+
+    @property
+    def bent(self) -> Frames:
+        """The frames with seats and bodies of flexible links, which the terms do not keep."""
+        return chain.frames(self.group.chain, self.joints)
+
+
+def leg_terms(
+    group: LegGroup, x: Coordinates, gravity: Array, place: Array, v: Array, section: Array
+) -> LegTerms:
+    """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp; gravity in Σ0.
+
+    Sections (…, L, t, 12) are axes and angular velocities of the platform there.
+    """
+    own = [x.s[..., group.carried], x.sd[..., group.carried], x.branches[..., group.branched]]
+    held = merged(section) if group.flexures is not None else place[..., 0, :0]
+    rows, shared = [merged(place), merged(v), *own, held], [x.rotation, gravity]
+    terms: LegTerms = each_leg(group, terms_of, rows, shared)
+    return terms._replace(group=group)
+
+
+def terms_of(
+    group: LegGroup,
+    place: Array,
+    v: Array,
+    s: Array,
+    sd: Array,
+    branch: Array,
+    section: Array,
+    rotation: Array,
+    gravity: Array,
+) -> LegTerms:
+    """The terms of legs whose tips have places and velocities (…, L, 3t) in Σ0 and in Σp; gravity in Σ0.
+
+    Carried coordinates and branch are those that the state has. The group of the terms is left empty.
+    """
+    group, c = group.on(branch), group.chain
+    legs, points = place.shape[:-1], place.shape[:-1] + (len(group.tip_frames), 3)
+    R_i0 = transpose(group.rotation)[:, None]
+    R_ip = R_i0 @ rotation[..., None, None, :, :]
+    place = mv(R_i0, place.reshape(points) - group.origin[:, None])
+    velocity = mv(R_ip, v.reshape(points))
+    joints = wide(group.type.joints(group, place, s), legs, c.n)
+    frames, tips = chain.frames(c, joints), group.points(joints.bend)
+    J = [chain.tip_jacobian(c, frames, tip) for tip in tips]  # Eqs. 1, 3
+    zd = np.broadcast_to(rates_of(group, frames, joints, J, place, velocity, sd), (*legs, c.size))
+    rest, gravity = np.zeros(c.size), mtv(group.rotation, gravity)
+    motions = recursion.link_motions(c, frames, zd, rest, gravity)
+    R_pi = transpose(R_ip[..., 0, :, :])
+    Jdqd, gap = tips_of(group, frames, motions, tips, zd, gravity, R_pi, place)
+    J_p = np.concatenate([R_pi @ part for part in J], axis=-2)
+    A = np.broadcast_to(inertia_matrix(c, frames), (*legs, c.size, c.size))
+    bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + recursion.passive(c, joints, zd)
+    bending, spin, moment = place[..., :0, :], place[..., :0, :], place[..., :0, :]
+    if group.flexures is not None:
+        bending, spin, moment, pull = flexed(group, frames, tips, zd, R_ip, section)
+        bias = bias + pull
+    reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
+    moved = (zd, A, bias, J_p, Jdqd, gap, mv(J_p, zd) - v, reach, regularity)
+    stand = (branch, R_ip, place, velocity, bending, spin, moment)
+    return LegTerms(EMPTY, joints, frames._replace(seats=[], bodies=[]), *moved, *stand)
+
+
+def wide(joints: chain.Joints, legs: tuple[int, ...], n: int) -> chain.Joints:
+    """Joint variables, each (…, L, n), of legs (…, L)."""
+    cos, sin, length = (np.broadcast_to(a, (*legs, n)) for a in joints[:3])
+    return chain.Joints(cos, sin, length, np.broadcast_to(joints.bend, (*legs, joints.bend.shape[-1])))
+
+
+def rates_of(
+    group: LegGroup,
+    frames: Frames,
+    joints: chain.Joints,
+    J: Sequence[Array],
+    place: Array,
+    velocity: Array,
+    sd: Array,
+) -> Array:
+    """ż (…, L, z) from places and velocities (…, L, t, 3) of the tips in Σ0i, and the carried rates.
+
+    J are the Jacobians (…, L, 3, z) of the tips in Σ0i.
+    """
+    n, ed = group.chain.n, group.bend(sd)
+    if ed.shape[-1] and not group.type.carries:
+        velocity = velocity - stack([mv(part[..., n:], ed) for part in J], axis=-2)
+    qd = group.type.rates(group, frames, joints, place, velocity, sd)
+    return join([qd, ed]) if ed.shape[-1] else qd
+
+
+def tips_of(
+    group: LegGroup,
+    frames: Frames,
+    motions: list[recursion.Motion],
+    tips: Sequence[Point],
+    zd: Array,
+    gravity: Array,
+    R_pi: Array,
+    place: Array,
+) -> tuple[Array, Array]:
+    """J̇ż and the gap (…, L, 3t) at the tips, in Σp; gravity and places are in Σ0i."""
+    Jdqd, gap, rest = [], [], np.zeros(group.chain.size)
+    for t, tip in enumerate(tips):
+        own = recursion.tip_acceleration(group.chain, motions, tip, zd, rest)
+        Jdqd.append(mv(R_pi, mv(frames.R_0j[tip.link], own) + gravity))
+        gap.append(mv(R_pi, chain.tip_position(frames, tip) - place[..., t, :]))
+    return np.concatenate(Jdqd, axis=-1), np.concatenate(gap, axis=-1)
+
+
+def flexed(
+    group: LegGroup, frames: Frames, tips: Sequence[Point], zd: Array, R_ip: Array, section: Array
+) -> tuple[Array, Array, Array, Array]:
+    """θ, ω, the moments on the platform in Σp (…, L, t, 3), and what they pull at the legs (…, L, z)."""
+    assert group.flexures is not None, "legs without flexures have none of this"
+    C, spin = split(section.reshape(section.shape[:-1] + (len(tips), 12)), [(3, 3), (3,)])
+    R_leg = stack([chain.tip_rotation(frames, tip) for tip in tips], axis=-3)
+    J_r = stack([chain.turning_jacobian(group.chain, frames, tip) for tip in tips], axis=-3)
+    J_r = transpose(R_ip) @ J_r
+    theta = bent_angle(group.flexures, R_ip @ C, R_leg)
+    omega = relative_spin(C, mv(J_r, zd[..., None, :]), spin)
+    moment = mv(C, moments(group.flexures, theta, omega))
+    return theta, omega, moment, np.sum(mtv(J_r, moment), axis=-2)
+
+
+def selection(group: LegGroup) -> Array:
+    """S (z, actuated): Γ_i = [0 0 Γ_3i]ᵀ for a leg that drives its third joint."""
+    return np.eye(group.chain.size)[:, list(group.actuated)]  # Eq. 8
+
+
+def joint_position(leg: LegTerms, j: int) -> Array:
+    """q_j (…, L) of the legs of a group; angles in (−π, π]."""
+    return chain.joint_position(leg.group.chain, leg.joints, j, np.zeros(len(leg.group.legs)))
