@@ -24,10 +24,9 @@ WRONG = {
     "nothing": "",
 }
 FITTING = {  # what fits after all
-    r"\w+\.actuated": ("flag",),
-    r"\w+\.(damping_ratio|kp|kd|ki|rate)": (
-        "length",
-    ),  # one for each mode or motor: told when there is a robot
+    r"\w+\.(actuated|static|foreshortening)": ("flag",),  # which some bars then lack moduli for
+    # one for each mode or motor: told when there is a robot
+    r"\w+\.(damping_ratio|kp|kd|ki|rate)": ("length",),
 }
 SCHEMAS = {"robot": (robot_table(), robots), "trajectory": (trajectory_table(), trajectories)}
 READ: dict[str, Any] = {"robot": pf.load_robot, "trajectory": read_plan}

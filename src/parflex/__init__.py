@@ -45,6 +45,7 @@ if TYPE_CHECKING:
         Reactions as Reactions,
     )
     from parflex.robot.bar import Bar as Bar
+    from parflex.robot.beam import beam as beam
     from parflex.robot.body import FlexibleBody as FlexibleBody
     from parflex.robot.flexure import Flexure as Flexure
     from parflex.robot.leg import Joint as Joint, Leg as Leg, Tip as Tip
@@ -89,6 +90,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
     "robot.bar": "Bar",
+    "robot.beam": "beam",
     "robot.body": "FlexibleBody",
     "robot.flexure": "Flexure",
     "robot.leg": "Joint Leg Tip",

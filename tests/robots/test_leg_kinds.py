@@ -1,11 +1,14 @@
 """Legs by physical fields: their rows against the gallery's, written by hand; any direction of an axis."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from measures import relative
+from oracle import screw
 from parflex.mechanics.legs import ALL_LEG_TYPES
 from parflex.robots import delta, gough_stewart, prs3, rus6
 from parflex.robots.legs import ALL_LEG_KINDS, PRS, PUS, RPS, RUS, UPS, DeltaArm
@@ -71,6 +74,42 @@ def test_links_are_bars():
         for joint, link in zip(kind.joints, links, strict=True):
             for name, value in link.items():
                 assert relative(getattr(joint, name), value) < 1e-15, kind.word
+
+
+BENT = {"young": 205e9, "bending": 1, "axial": 1}
+
+
+def weighed(kind, q):
+    """Mass, first and second moments of all links, and the tips (t, 3), in Σ0i at joint values q (n,)."""
+    frames, total = [np.eye(4)], np.zeros((4, 4))
+    for joint, value in zip(kind.joints, q, strict=True):
+        theta, r = joint.theta + value * (1 - joint.sigma), joint.r + value * joint.sigma
+        row = screw(2, joint.gamma, joint.b) @ screw(0, joint.alpha, joint.d) @ screw(2, theta, r)
+        frames.append(frames[joint.antecedent] @ row)
+        body, second = joint.body, 0.5 * np.trace(joint.I) * np.eye(3) - joint.I
+        m, first = joint.M, np.asarray(joint.MS)
+        if body is not None:
+            m, first, second = body.moments.m, body.moments.MS0, body.moments.P0
+        here = np.block([[second, first[:, None]], [first, m]])
+        total += frames[-1] @ here @ frames[-1].T
+    return total, np.array([(frames[tip.frame] @ [*tip.offset, 1])[:3] for tip in kind.tips])
+
+
+@pytest.mark.parametrize("kind", MADE, ids=lambda kind: kind.word)
+def test_bars_that_bend_are_where_rigid_ones_are(kind):
+    """Unbent they have the masses, moments and tips of rigid ones at any joint values, and each sits on the
+    end of the one before."""
+    bars = {name: bar for name, bar in vars(kind).items() if isinstance(bar, pf.Bar)}
+    bent = replace(kind, **{name: replace(bar, **BENT) for name, bar in bars.items()})
+    q = np.random.default_rng(1).uniform(0.2, 1, len(kind.joints))
+    for found, expected in zip(weighed(bent, q), weighed(kind, q), strict=True):
+        assert relative(found, expected) < 1e-14
+    leg = bent.placed(np.eye(3), (0, 0, 0), range(len(kind.tips)))
+    bodies = [joint.body is not None for joint in leg.joints]
+    assert sum(bodies) == sum(joint.M > 0 for joint in kind.joints) - ("carriage" in vars(kind))
+    on_bodies = [joint.antecedent > 0 and bodies[joint.antecedent - 1] for joint in leg.joints]
+    assert leg.seats.joints == tuple(0 if there else -1 for there in on_bodies)
+    assert leg.seats.tips == (0,) * len(kind.tips)
 
 
 def test_every_kind_is_tried_here():

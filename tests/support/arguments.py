@@ -44,6 +44,11 @@ def whole(good: int = 0, *, none: bool = False, word: str = "") -> Argument:
     return Argument(good, bad | ({} if none else NONE), word)
 
 
+def flag(good: bool = True) -> Argument:
+    """True or false."""
+    return Argument(good, BAD | NONE | {"number": 1, "list": [True]})
+
+
 def array(good: Any, *, none: bool = False, word: str = "", shape: bool = True) -> Argument:
     """Finite numbers, of a shape that (7, 5) is not."""
     given = np.asarray(good, dtype=float)

@@ -14,6 +14,7 @@ from arguments import (
     Argument,
     Door,
     array,
+    flag,
     number,
     other,
     positive,
@@ -82,7 +83,10 @@ LIMIT = {name: bad for name, bad in number().bad.items() if name != "inf"}
 JOINT |= {"q_min": Argument(-1.0, LIMIT | {"inf": INF}), "q_max": Argument(1.0, LIMIT | {"minus inf": -INF})}
 DRIVE = {"stroke": array([0.1, 0.9], none=True), "rest": number(0.5, none=True)}
 DRIVE |= {name: number(more={"negative": -1.0}) for name in ("stiffness", "damping", "rotor_inertia")}
-BARS = {n: positive(0.2, none=True) for n in ("mass", "outer", "inner", "length", "density")}
+BARS = {n: positive(0.2, none=True) for n in ("mass", "outer", "inner", "length", "density", "young")}
+SHAPE_COUNTS = {n: whole(1) for n in ("axial", "torsion")} | {"static": flag()}
+BEAM = pf.beam((0, 0, 1.0), 0.1, young=2e11, poisson=0.3, density=7850.0)
+FLEXURE = {n: number(0.1, more={"negative": -1.0}) for n in ("bending", "torsion", "damping")}
 LEGS = things([np.zeros(3)] * 6, none=True)
 LEGS = LEGS._replace(bad={name: bad for name, bad in LEGS.bad.items() if name not in ("ragged", "nothings")})
 RUN = pf.simulate(MODEL, GAMMA, HOME, [0.0, 1e-3])
@@ -90,7 +94,11 @@ RUN = pf.simulate(MODEL, GAMMA, HOME, [0.0, 1e-3])
 DOORS: dict[str, Door] = {
     "Bar": Door(
         partial(pf.Bar, mass=1.0, length=0.5),
-        BARS | {"com": number(none=True), "inertia": array([0.1, 0.2], none=True)},
+        BARS
+        | {"com": number(none=True), "inertia": array([0.1, 0.2], none=True)}
+        | {"poisson": number(0.3, none=True), "bending": whole(1, none=True)}
+        | SHAPE_COUNTS
+        | RATIO,
     ),
     "Circle": Door(
         pf.Circle,
@@ -120,6 +128,7 @@ DOORS: dict[str, Door] = {
             "frequencies": array([60.0]),
             "attachments": array(NODES),
             "rotation_shapes": array(SHAPES, none=True),
+            "foreshortening": array(np.zeros((6, 3, 1, 1)), none=True),
         }
         | RATIO,
     ),
@@ -135,9 +144,16 @@ DOORS: dict[str, Door] = {
     "FlexibleBody.shapes_at": Door(BODY.shapes_at, {"node": whole(), "offset": array(np.zeros(3))}),
     "FlexibleBody.with_modes": Door(BODY.with_modes, {"modes": SOME}),
     "FlexibleBody.with_payload": Door(BODY.with_payload, {"node": whole(), "mass": positive()}),
+    "Flexure": Door(
+        pf.Flexure,
+        {n: array(np.eye(3)) for n in ("stiffness", "damping")}
+        | {"friction": number(more={"negative": -1.0}), "friction_speed": positive()}
+        | {"rest": rotation(none=True)},
+    ),
+    "Flexure.about": Door(pf.Flexure.about, {"axis": array([0, 0, 1.0])} | FLEXURE),
     "FrameOutput": Door(pf.FrameOutput, {"rows": ROWS}),
     "Hold": Door(pf.Hold, {"duration": positive()}),
-    "Joint": Door(pf.Joint, JOINT),
+    "Joint": Door(pf.Joint, JOINT | {"body": thing(BEAM, none=True)}),
     "JointPD": Door(pf.JointPD, MODELLED | {"reference": ONE} | GAINS | {"forces": array(GAMMA)}),
     "Leg": Door(
         pf.Leg,
@@ -216,10 +232,16 @@ DOORS: dict[str, Door] = {
             "elastic_rate": array([0.0], shape=False),
             "joints": LEGS,
             "joint_rates": LEGS,
+            "leg_elastic": LEGS,
+            "leg_elastic_rate": LEGS,
         },
     ),
     "Strut": Door(pf.Strut, {"cylinder": thing(BAR), "rod": thing(BAR)} | DRIVE),
-    "Tip": Door(pf.Tip, {"frame": whole(1), "offset": array(np.zeros(3)), "attachment": whole()}),
+    "Tip": Door(
+        pf.Tip,
+        {"frame": whole(1), "offset": array(np.zeros(3)), "attachment": whole()}
+        | {"flexure": thing(pf.Flexure(), none=True)},
+    ),
     "Trajectory": Door(
         pf.Trajectory,
         {
@@ -245,6 +267,15 @@ DOORS: dict[str, Door] = {
     ),
     "Wrench": Door(
         pf.Wrench, {"node": whole(), "force": array(np.zeros(3)), "moment": array(np.zeros(3))}, "frame"
+    ),
+    "beam": Door(
+        pf.beam,
+        {"end": array([0, 0, 1.0]), "outer": positive(0.1)}
+        | {"inner": number(0.05, more={"negative": -1.0, "all": 0.1})}
+        | {"young": positive(2e11), "poisson": number(0.3, more={"beyond": 0.5}), "density": positive(7850.0)}
+        | {"bending": whole(1), "foreshortening": flag()}
+        | SHAPE_COUNTS
+        | RATIO,
     ),
     "export_c": Door(
         partial(pf.export_c, directory="nowhere"),

@@ -9,8 +9,8 @@ from pydantic import Field, create_model
 
 from parflex.files.lines import Where
 from parflex.files.reading import Reader
-from parflex.files.tables import THREE, TWO, Inertia, Measure, Table, Whole, inertia_of
-from parflex.robot.fields import Column, described
+from parflex.files.tables import THREE, TWO, Flag, Inertia, Measure, Ratios, Table, Whole, inertia_of
+from parflex.robot.fields import SEVERAL, Column, described
 
 
 @cache
@@ -35,11 +35,11 @@ def entry(column: Column, sigma: int) -> tuple[Any, Any]:
     if column.part is not None:
         plain: Any = table_of(column.part)
     elif column.kind is None:
-        plain = Whole
+        plain = Flag if isinstance(column.default, bool) else Whole
     else:
         number: Any = Annotated[float, Measure(column.kind.of(sigma), column.rule)]
         pair, vector = Annotated[list[number], TWO], Annotated[list[number], THREE]
-        plain = {(): number, (2,): pair, (3,): vector, (3, 3): Inertia}[column.shape]
+        plain = {(): number, (2,): pair, (3,): vector, (3, 3): Inertia, SEVERAL: Ratios}[column.shape]
     if column.default is MISSING:
         return plain, Field(description=column.words)
     if column.shape == () and column.default is not None and np.isfinite(column.default):

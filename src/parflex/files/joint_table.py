@@ -1,18 +1,16 @@
 """The table of a joint in a robot file, made of the fields of the joint, read and written."""
 
 from functools import cache
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from parflex.base.errors import InputError
 from parflex.files.described import entry, values_of
-from parflex.files.tables import Point, Table, Whole
+from parflex.files.tables import Flag, Point, Table, Whole
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint
-
-StrictBool = Annotated[bool, Field(strict=True)]
 
 
 class JointTable(Table):
@@ -20,7 +18,7 @@ class JointTable(Table):
 
     sigma: ClassVar[int]
     joint: ClassVar[type[Joint]]  # whose fields the table has
-    actuated: StrictBool = Field(False, description="whether a motor drives it")
+    actuated: Flag = Field(False, description="whether a motor drives it")
     antecedent: Whole | None = Field(None, description="joint before it, from 1; 0 is the base")
     com: Point | None = Field(None, description="centre of mass in the link's frame")
 

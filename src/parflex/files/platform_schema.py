@@ -14,19 +14,15 @@ from parflex.files.tables import (
     Moments3,
     Number,
     Point,
+    Ratios,
     Seconds3x3,
     Table,
     Whole,
-    several,
 )
 from parflex.robot.material import Material
 from parflex.robot.materials import chosen, names
 
 Corner = Annotated[list[Length], Field(min_length=2, max_length=2)]
-Ratios = Annotated[
-    Annotated[Number, Tag("one")] | Annotated[list[Number], Tag("each")],
-    Discriminator(several),
-]
 
 
 class RigidTable(Table):

@@ -60,6 +60,7 @@ TWO: Any = Field(min_length=2, max_length=2)
 THREE: Any = Field(min_length=3, max_length=3)
 
 Whole = Annotated[int, Strict(), Field(ge=0)]
+Flag = Annotated[bool, Field(strict=True)]
 Number = Annotated[float, Measure(kinds.NUMBER)]
 Length = Annotated[float, Measure(kinds.LENGTH)]
 Angle = Annotated[float, Measure(kinds.ANGLE)]
@@ -67,6 +68,10 @@ Time = Annotated[float, Measure(kinds.TIME, NOT_NEGATIVE)]
 Moment = Annotated[float, Measure(kinds.FIRST_MOMENT)]
 Second = Annotated[float, Measure(kinds.INERTIA)]
 
+Ratios = Annotated[
+    Annotated[Number, Tag("one")] | Annotated[list[Number], Tag("each")],
+    Discriminator(several),
+]
 Point = Annotated[list[Length], THREE]
 Moments3 = Annotated[list[Moment], THREE]
 Seconds3x3 = Annotated[list[Annotated[list[Second], THREE]], THREE]

@@ -12,9 +12,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.check import Rule, exactly, finite, integer, obeying, of_type, scalar
-from parflex.base.kinds import ByType, Kind
+from parflex.base.array import Array
+from parflex.base.check import NOT_NEGATIVE, Rule, exactly, finite, integer, obeying, of_type, scalar
+from parflex.base.errors import InputError
+from parflex.base.kinds import NUMBER, ByType, Kind
 from parflex.base.plausible import usual
+
+SEVERAL = (-1,)  # the shape of one number or a list of them
 
 _KNOWN: dict[type, dict[str, "Column"]] = {}  # by dataclass, looked up for every state that is made
 
@@ -92,6 +96,23 @@ def part(kind: type, words: str, default: Any = MISSING) -> Any:
     return field(default=default, metadata=about(form, default=default, words=words, part=kind))
 
 
+def count(words: str, default: int | None = 0) -> Any:
+    """A field that is a whole number, not negative."""
+    form = optional(integer) if default is None else integer
+    return field(default=default, metadata=about(form, words=words, default=default))
+
+
+def flag(words: str, default: bool) -> Any:
+    """A field that is true or false."""
+    return field(default=default, metadata=about(boolean, words=words, default=default))
+
+
+def ratios(words: str) -> Any:
+    """A field of numbers without a unit, none negative, one or several, by default zero."""
+    known: dict[str, Any] = {"rule": NOT_NEGATIVE, "kind": NUMBER, "shape": SEVERAL, "default": 0.0}
+    return field(default=0.0, metadata=about(one_or_several, words=words, **known))
+
+
 def index(words: str) -> Any:
     """A field that is a number of something, from 0, or None."""
     return field(default=None, metadata=about(optional(integer), words=words))
@@ -115,6 +136,19 @@ def optional(form: Callable[[str, Any], Any]) -> Callable[[str, Any], Any]:
 def unless_absent(name: str, value: Any, form: Callable[[str, Any], Any]) -> Any:
     """The value as a check makes it; None for none."""
     return None if value is None else form(name, value)
+
+
+def boolean(name: str, value: Any) -> bool:
+    """True or false."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InputError(f"{name} is {value!r}; give True or False")
+    return bool(value)
+
+
+def one_or_several(name: str, value: Any) -> Array:
+    """One number (), or several (n,)."""
+    array = finite(name, value)
+    return array if array.ndim < 2 else exactly(name, array, (None,))
 
 
 def endless(name: str, value: Any) -> float:

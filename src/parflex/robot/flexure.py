@@ -1,4 +1,4 @@
-"""Flexures at the tips of legs: a spring, a damper and friction against the turning of a spherical joint."""
+"""Flexures: springs, dampers and friction against the turning of spherical joints."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base import kinds
 from parflex.base.array import Array
-from parflex.base.check import NOT_NEGATIVE, POSITIVE, single_rotation
+from parflex.base.check import NOT_NEGATIVE, POSITIVE, exactly, finite, obeying, single_rotation
 from parflex.base.errors import InputError
 from parflex.base.held import Given, MaybeGiven
 from parflex.robot.fields import check_fields, held, number, optional
@@ -55,8 +55,14 @@ class Flexure:
         """A flexure alike in all directions across an axis (3,): K = k_b (1 − n nᵀ) + k_t n nᵀ, N m/rad.
 
         damping (N m s/rad) is the same in all directions.
+
+        Raises InputError for an axis without a direction, and for a number that is negative.
         """
-        n = np.asarray(axis, dtype=float)
+        n = exactly("axis", axis, (3,))
+        if not np.any(n):
+            raise InputError(f"axis is {n.tolist()}; give a direction")
+        for name, value in (("bending", bending), ("torsion", torsion), ("damping", damping)):
+            obeying(name, finite(name, value, ()), NOT_NEGATIVE)
         along = np.outer(n, n) / (n @ n)
         return Flexure(bending * (np.eye(3) - along) + torsion * along, damping * np.eye(3))
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
-from parflex.robot.bar import Bar
+from parflex.robot.bar import Bar, beam_of
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robots.links import Link, link
 
@@ -43,12 +43,28 @@ class LegKind(ABC):
         return Leg(rotation, origin, self.joints, tips, posture)
 
 
-def bar_link(bar: Bar, along: Sequence[float], start: Sequence[float] = (0.0, 0.0, 0.0)) -> Link:
-    """The link that a bar is, from a point (3,) m along a unit vector (3,) of the link's frame."""
+def bar_link(bar: Bar, along: Sequence[float]) -> Link:
+    """The link that a bar is, from the origin of the link's frame along a unit vector (3,): M, MS and I, or
+    the body of one that bends."""
+    if bar.flexible:
+        return {"body": beam_of(bar, along).body}
     e = np.asarray(along, dtype=float)
     axial, across = bar.inertia_at_com
     ee = np.outer(e, e)
-    return link(bar.kilograms, start + bar.centre * e, axial * ee + across * (np.eye(3) - ee))
+    return link(bar.kilograms, bar.centre * e, axial * ee + across * (np.eye(3) - ee))
+
+
+def rod_link(rod: Bar) -> Link:
+    """The link of a strut's rod, which slides along z: from the tip at its frame's origin down, or, where it
+    bends, from the piston at its other end, in whose frame it is clamped, up to the tip."""
+    if rod.flexible:
+        return {"r": -length_of(rod, "rod")} | bar_link(rod, (0, 0, 1))
+    return bar_link(rod, (0, 0, -1))
+
+
+def rod_end(rod: Bar) -> tuple[float, float, float]:
+    """The tip (3,) m in the frame of a strut's rod."""
+    return (0.0, 0.0, length_of(rod, "rod") if rod.flexible else 0.0)
 
 
 def length_of(bar: Bar, name: str) -> float:

@@ -10,7 +10,7 @@ from parflex.base.held import Given
 from parflex.robot.fields import given
 from parflex.robot.leg import Joint, Tip
 from parflex.robot.strut import Strut
-from parflex.robots.legs.base import LegKind, bar_link, towards
+from parflex.robots.legs.base import LegKind, bar_link, rod_end, rod_link, towards
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -27,13 +27,13 @@ class RPS(Strut, LegKind):
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """The cylinder along −y1; the rod along −z2, from the tip down."""
+        """The cylinder along −y1; the rod along z2 (`rod_link`)."""
         return (
             Joint(0, sigma=0, **towards(self.axis, "RPS.axis"), **bar_link(self.cylinder, (0, -1, 0))),
-            Joint(1, alpha=np.pi / 2, **self.of_joint, **bar_link(self.rod, (0, 0, -1))),
+            Joint(1, alpha=np.pi / 2, **self.of_joint, **rod_link(self.rod)),
         )
 
     @property
     def tips(self) -> tuple[Tip, ...]:
         """The end of the rod."""
-        return (Tip(2),)
+        return (Tip(2, rod_end(self.rod)),)

@@ -10,7 +10,7 @@ from parflex.base.held import Given
 from parflex.robot.fields import given
 from parflex.robot.leg import Joint, Tip
 from parflex.robot.strut import Strut
-from parflex.robots.legs.base import LegKind, bar_link, towards
+from parflex.robots.legs.base import LegKind, bar_link, rod_end, rod_link, towards
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -31,14 +31,14 @@ class UPS(Strut, LegKind):
 
     @property
     def joints(self) -> tuple[Joint, ...]:
-        """The cross; the cylinder along −y2; the rod along −z3, from the tip down."""
+        """The cross; the cylinder along −y2; the rod along z3 (`rod_link`)."""
         return (
             Joint(0, sigma=0, **towards(self.axis, "UPS.axis")),
             Joint(1, sigma=0, alpha=np.pi / 2, **bar_link(self.cylinder, (0, -1, 0))),
-            Joint(2, alpha=np.pi / 2, **self.of_joint, **bar_link(self.rod, (0, 0, -1))),
+            Joint(2, alpha=np.pi / 2, **self.of_joint, **rod_link(self.rod)),
         )
 
     @property
     def tips(self) -> tuple[Tip, ...]:
         """The end of the rod."""
-        return (Tip(3),)
+        return (Tip(3, rod_end(self.rod)),)

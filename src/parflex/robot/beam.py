@@ -1,0 +1,244 @@
+"""Beams: round tubes and bars that bend, stretch and twist, clamped at a joint, by closed shapes."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base import kinds
+from parflex.base.array import Array, skew, transpose, without_roundoff
+from parflex.base.check import NOT_NEGATIVE, POSITIVE
+from parflex.base.errors import InputError
+from parflex.base.held import Given
+from parflex.robot.beam_shapes import POINTS, WEIGHTS, Family, clamped, held, orthonormal, sampled
+from parflex.robot.body import FlexibleBody
+from parflex.robot.fields import check_fields, count, flag, given, ratios
+from parflex.robot.material import Material
+from parflex.robot.modal import modal_diagonals
+from parflex.robot.moments import Moments
+from parflex.robot.words import told
+
+NODES = 33  # along a beam, for drawing and to be held at
+MOST = (NODES - 1) // 2  # half-waves that they carry, two spaces between nodes for each
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Beam:
+    """A round tube or bar from the origin of a joint's frame to `end` (3,) m, clamped at the origin; SI.
+
+    Its diameters `outer` and `inner`, and its material. `bending` are the shapes in each of two planes, sines
+    less their tangents at the origin, of which one gives a strut between joints its first frequency, and so
+    on; `static` adds those of a force and a moment at the end. `axial` and `torsion` are the linear shape,
+    and sines. `damping_ratio` is one or one for each mode. `foreshortening` is what an end that bends aside
+    comes nearer by: without it a compressed strut stiffens where it should soften.
+
+    Raises InputError for no body's dimensions or material, and for more shapes than its nodes carry.
+    """
+
+    end: Given = given(kinds.LENGTH, "the other end, in the joint's frame", shape=(3,))
+    outer: float = given(kinds.LENGTH, "outer diameter", POSITIVE)
+    inner: float = given(kinds.LENGTH, "inner diameter of a tube", NOT_NEGATIVE, default=0.0)
+    young: float = given(kinds.PRESSURE, "Young's modulus", POSITIVE)
+    poisson: float = given(kinds.NUMBER, "Poisson's ratio")
+    density: float = given(kinds.DENSITY, "of the material", POSITIVE)
+    bending: int = count("shapes in each of two planes", default=1)
+    axial: int = count("shapes along the beam")
+    torsion: int = count("shapes about the beam")
+    static: bool = flag("add the bending shapes of a force and a moment at the end", default=False)
+    damping_ratio: Given = ratios("one for all modes, or one for each")
+    foreshortening: bool = flag("the end that bends aside comes nearer", default=True)
+
+    def __post_init__(self) -> None:
+        check_fields(self)
+        if not self.inner < self.outer:
+            raise InputError(f"Beam.inner is {self.inner}; it must be less than outer, which is {self.outer}")
+        if self.length == 0:
+            raise InputError(f"Beam.end is {self.end.tolist()}, where the beam begins; give its other end")
+        _ = self.material  # raises
+        for name in ("bending", "axial", "torsion"):
+            if getattr(self, name) > MOST:
+                raise InputError(
+                    f"Beam.{name} is {getattr(self, name)}, but the {NODES} nodes of a beam carry {MOST} "
+                    f"shapes of a kind, two spaces for each half-wave; give {MOST} or fewer"
+                )
+
+    __repr__ = told
+
+    @cached_property
+    def material(self) -> Material:
+        """Its material; raises InputError for one that cannot be."""
+        return Material(self.young, self.poisson, self.density)
+
+    @cached_property
+    def length(self) -> float:
+        """ℓ, m."""
+        return float(np.linalg.norm(self.end))
+
+    @cached_property
+    def section(self) -> tuple[float, float]:
+        """The area A (m²) and the second moment I (m⁴) about a diameter; the polar one is 2 I."""
+        squares = self.outer**2 - self.inner**2
+        return np.pi / 4 * squares, np.pi / 64 * squares * (self.outer**2 + self.inner**2)
+
+    @cached_property
+    def axes(self) -> tuple[Array, Array, Array]:
+        """Unit vectors (3,): t along the beam, u and v across it, u in the plane of t and that axis of the
+        frame which is most across."""
+        t = np.asarray(self.end) / self.length
+        across = np.eye(3)[int(np.argmin(np.abs(t)))]
+        u = across - (across @ t) * t
+        u = u / np.linalg.norm(u)
+        return t, u, np.cross(t, u)
+
+    @property
+    def body(self) -> "BeamBody":
+        """The flexible body."""
+        modes = modes_of(self)
+        phi, psi = fields(self, modes, POINTS)
+        at = np.linspace(0.0, 1.0, NODES)
+        moments = moments_of(self, phi, psi)
+        stiffness, damping = modal_diagonals(moments, modes.omega, self.damping_ratio)
+        shapes, turns = fields(self, modes, at)
+        return BeamBody(
+            moments,
+            without_roundoff(at[:, None] * self.end),
+            shapes,
+            turns,
+            stiffness,
+            damping,
+            (NODES - 1,),
+            foreshortening=shortening_of(self, psi)[None] if self.foreshortening else None,
+            beam=self,
+        )
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class BeamBody(FlexibleBody):
+    """The body that a beam is, and the beam whose body it was when it was made."""
+
+    beam: Beam | None = None
+
+
+def beam(
+    end: ArrayLike,
+    outer: float,
+    inner: float = 0.0,
+    *,
+    young: float,
+    poisson: float,
+    density: float,
+    bending: int = 1,
+    axial: int = 0,
+    torsion: int = 0,
+    static: bool = False,
+    damping_ratio: ArrayLike = 0.0,
+    foreshortening: bool = True,
+) -> FlexibleBody:
+    """A round tube or bar from the origin of a joint's frame to `end`, as a flexible link: a `Joint`'s body.
+
+    It is clamped at the origin and has one attachment, at its end. Its modes are `bending` ones in each of
+    two planes across it, one by one in both, with `static` two more in each, then the `axial` ones, then
+    those of `torsion`; `Beam` says what they are. Its integrals are exact, with those of the section, which
+    turns.
+
+    end (3,) m, diameters outer and inner m, young Pa, density kg/m³, damping_ratio one or one for each mode.
+
+    Raises InputError as `Beam`.
+
+    >>> rod = beam((0, 0, 0.62), 0.032, young=205e9, poisson=0.29, density=7850, bending=1, axial=1)
+    >>> rod
+    FlexibleBody: 3.914 kg, 3 modes, 88.2 … 2.27e+03 Hz, 1 attachment
+    """
+    made = Beam(
+        end=end,
+        outer=outer,
+        inner=inner,
+        young=young,
+        poisson=poisson,
+        density=density,
+        bending=bending,
+        axial=axial,
+        torsion=torsion,
+        static=static,
+        damping_ratio=damping_ratio,
+        foreshortening=foreshortening,
+    )
+    return made.body
+
+
+class BeamModes(NamedTuple):
+    """Combinations (n, n) of the shapes of bending in a plane, along and about a beam, and the frequencies
+    (N,) rad/s of all modes, clamped at the origin."""
+
+    bending: Array
+    axial: Array
+    torsion: Array
+    omega: Array
+
+
+def families(beam: Beam, xi: Array) -> tuple[Family, Family, Family]:
+    """The shapes of bending in a plane, along and about a beam, at ξ (P,)."""
+    return clamped(xi, beam.bending, beam.static), held(xi, beam.axial), held(xi, beam.torsion)
+
+
+def modes_of(beam: Beam) -> BeamModes:
+    """The modes, by the energies of bending ½∫ρA ẇ² + ρI ẇ'² and ½∫EI w''², of stretching ½∫ρA u̇² and
+    ½∫EA u'², of twisting ½∫ρ 2I θ̇² and ½∫G 2I θ'²."""
+    (A, second), length, rho, E = beam.section, beam.length, beam.density, beam.young
+    polar, G = 2 * second, beam.material.lame[1]
+    w, u, theta = families(beam, POINTS)
+    bent = orthonormal(
+        sampled((rho * A * length, w.value), (rho * second / length, w.first)),
+        sampled((E * second / length**3, w.second)),
+    )
+    along = orthonormal(sampled((rho * A * length, u.value)), sampled((E * A / length, u.first)))
+    about = orthonormal(
+        sampled((rho * polar * length, theta.value)), sampled((G * polar / length, theta.first))
+    )
+    return BeamModes(bent[0], along[0], about[0], np.concatenate([np.repeat(bent[1], 2), along[1], about[1]]))
+
+
+def fields(beam: Beam, modes: BeamModes, xi: Array) -> tuple[Array, Array]:
+    """Displacements φ and rotations ψ (N, P, 3) of the sections at ξ (P,): ψ = w' t × d where they move by
+    w along d."""
+    t, u, v = beam.axes
+    bent, along, about = families(beam, xi)
+    w, slope = modes.bending.T @ bent.value, modes.bending.T @ bent.first / beam.length
+    across = np.stack([u, v])
+    turned = np.stack([v, -u])  # t × u, t × v
+    phi = (w[:, None, :, None] * across[:, None]).reshape(-1, len(xi), 3)
+    psi = (slope[:, None, :, None] * turned[:, None]).reshape(-1, len(xi), 3)
+    pulled = (modes.axial.T @ along.value)[..., None] * t
+    twisted = (modes.torsion.T @ about.value)[..., None] * t
+    return np.concatenate([phi, pulled, 0 * twisted]), np.concatenate([psi, 0 * pulled, twisted])
+
+
+def moments_of(beam: Beam, phi: Array, psi: Array) -> Moments:
+    """The integrals of a body whose sections are displaced by φ and turned by ψ (N, P, 3) at the Gauss
+    points, Φ = φ + ψ × ρ with ∫ ρ dA = 0 and ∫ ρ ρᵀ dA = I (1 − t tᵀ)."""
+    (A, second), t, length = beam.section, beam.axes[0], beam.length
+    across = second * (np.eye(3) - np.outer(t, t))
+    dm = beam.density * length * WEIGHTS  # per area
+    r = length * POINTS[:, None] * t
+    turns = skew(psi)
+    of_turns = np.einsum("p,npab->nab", dm, turns) @ across
+    both = np.einsum("p,npab,bc,jpdc->njad", dm, turns, across, turns, optimize=True)
+    return Moments(
+        m=float(beam.density * A * length),
+        MS0=beam.density * A * length**2 / 2 * t,
+        P0=beam.density * A * length**3 / 3 * np.outer(t, t) + beam.density * length * across,
+        S=A * np.einsum("p,npa->an", dm, phi),
+        P1=A * np.einsum("p,npa,pb->nab", dm, phi, r) + of_turns,
+        P2=A * np.einsum("p,npa,jpb->njab", dm, phi, phi, optimize=True) + both,
+    )
+
+
+def shortening_of(beam: Beam, psi: Array) -> Array:
+    """H (3, N, N) of the end: −t ∫ φ_k'·φ_l' ds across the beam, whose slopes are as large as the turns ψ
+    across it."""
+    t = beam.axes[0]
+    across = psi - (psi @ t)[..., None] * t
+    drawn = np.einsum("p,kpa,lpa->kl", beam.length * WEIGHTS, across, across, optimize=True)
+    return -t[:, None, None] * (0.5 * (drawn + transpose(drawn)))
