@@ -177,7 +177,7 @@ MISUSE = {
     "half a shape": (dict(torsion=0.5), "Beam.torsion is 0.5; it must be a whole number"),
     "no flag": (dict(static=1), "Beam.static is 1; give True or False"),
     "negative damping": (dict(damping_ratio=-0.1), "Beam.damping_ratio is -0.1; it cannot be negative"),
-    "damping of other modes": (dict(damping_ratio=[0.1] * 3), "damping_ratio is .*; expected one value"),
+    "damping of others": (dict(damping_ratio=[0.1] * 3), "Beam.damping_ratio has 3 entries; give one for"),
 }  # fmt: skip
 
 

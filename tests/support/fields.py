@@ -22,6 +22,9 @@ PLATFORMS = {  # those that the templates lack
     "disc": {"diameter": 0.3, "thickness": 0.02, **MATERIAL},
     "imported": {"program": "nastran", "files": {"op2": "none.op2"}, "units": "SI"},
 }
+BEAM = {"end": [0.0, 0, 0.6], "outer": 0.03, "young": 2e11, "poisson": 0.3, "density": 7850.0}
+LINKS = {"beam": BEAM}, {"body": {"kind": "modal", "file": "none.nc"}}  # those that the templates lack
+FLEXURE = {"bending": 5.0, "torsion": 9.0}
 CONTROLLERS = (
     {"kind": "servo"},
     {"kind": "computed-torque", "kp": 400.0, "kd": 40.0},
@@ -42,6 +45,11 @@ def robots() -> Iterator[dict[str, Any]]:
     for name in STARTS:
         more = {"tool": {"position": [0.0, 0, 0]}, "payload": {"mass": 1.0}, "sensor": sensors}
         yield template(name, name) | more
+    for link in LINKS:
+        joint = {"type": "prismatic", "actuated": True, "alpha": 1.5707963267948966} | link
+        tip = {"frame": 3, "offset": [0.0, 0, 0.6], "flexure": FLEXURE}
+        rigid = template("gough-stewart")["chain"]["ups"]["joints"][:2]
+        yield template("gough-stewart") | {"chain": {"ups": {"joints": [*rigid, joint], "tips": [tip]}}}
     for kind, platform in PLATFORMS.items():
         yield template("gough-stewart") | {"platform": {"kind": kind} | platform}
 

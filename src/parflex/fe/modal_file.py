@@ -48,6 +48,7 @@ FIELDS = {
     "stiffness": ((MODE,), "s-2", "diagonal of the modal stiffness"),
     "damping": ((MODE,), "s-1", "diagonal of the modal damping"),
     "attachments": (("attachment",), "1", "node numbers from 0 that legs may hold"),
+    "foreshortening": (("attachment", AXIS, MODE, OTHER), "m-1 kg-1", "second-order displacement, of a link"),
     "triangles": (("triangle", "corner"), "1", "surface, node numbers from 0"),
 }
 # values that modes hold beside a body; none of them is needed for a platform
@@ -60,7 +61,7 @@ MODAL = {
     "materials": (("material", "modulus"), "Pa, 1, kg m-3", "Young's modulus, Poisson's ratio, density"),
 }
 WHOLE = ("attachments", "triangles", "tool", "elements", "parts")
-OPTIONAL = ("rotation_shapes", "triangles")
+OPTIONAL = ("rotation_shapes", "foreshortening", "triangles")
 
 
 def write_modes(

@@ -7,10 +7,14 @@ import numpy as np
 from pydantic import Field, create_model, model_validator
 
 from parflex.base.errors import InputError
-from parflex.files.described import entry, values_of
+from parflex.files.described import entry, table_of, values_of
+from parflex.files.platform_schema import ModalTable
 from parflex.files.tables import Flag, Point, Table, Whole
+from parflex.robot.beam import Beam
 from parflex.robot.fields import Column, described
 from parflex.robot.leg import Joint
+
+BeamTable: Any = table_of(Beam)
 
 
 class JointTable(Table):
@@ -21,11 +25,24 @@ class JointTable(Table):
     actuated: Flag = Field(False, description="whether a motor drives it")
     antecedent: Whole | None = Field(None, description="joint before it, from 1; 0 is the base")
     com: Point | None = Field(None, description="centre of mass in the link's frame")
+    beam: BeamTable | None = Field(
+        None, description="a flexible link, a tube or bar, instead of mass, com and inertia"
+    )
+    body: ModalTable | None = Field(None, description="any flexible link, likewise")
 
     @model_validator(mode="after")
     def _one_centre(self) -> "JointTable":
         if self.com is not None and vars(self)["first_moment"] is not None:
             raise InputError("gives com and first_moment; keep one of them")
+        return self
+
+    @model_validator(mode="after")
+    def _one_link(self) -> "JointTable":
+        flexible = [name for name in ("beam", "body") if getattr(self, name) is not None]
+        rigid = [name for name in ("mass", "com", "first_moment", "inertia") if name in self.model_fields_set]
+        ways = flexible + rigid
+        if flexible and len(ways) > 1:
+            raise InputError(f"gives {ways[0]} and {ways[1]}, each the mass of the link; keep one of them")
         return self
 
 
@@ -56,9 +73,9 @@ def in_files(joint: type[Joint]) -> dict[str, Column]:
     return {name: column for name, column in described(joint).items() if column.file}
 
 
-def joint_of(table: JointTable, before: int) -> Joint:
-    """The joint of a table, with `before` joints before it."""
-    given = values_of(table.joint, table)
+def joint_of(table: JointTable, before: int, link: dict[str, Any]) -> Joint:
+    """The joint of a table, with `before` joints before it and the fields of its flexible link."""
+    given = values_of(table.joint, table) | link
     if table.com is not None:
         given["MS"] = given["M"] * np.array(table.com)
     given["antecedent"] = before if table.antecedent is None else table.antecedent
@@ -66,7 +83,7 @@ def joint_of(table: JointTable, before: int) -> Joint:
 
 
 def joint_entries(joint: Joint, before: int) -> dict[str, Any]:
-    """The table of a joint without what is by default, with `before` joints before it."""
+    """The table of a joint and its rigid link without what is by default, with `before` joints before it."""
     far = {} if joint.antecedent == before else {"antecedent": joint.antecedent}
     driven = {"actuated": True} if joint.mu else {}
     kind: Any = type(joint)

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, Tag, WithJsonSchema, create_model
 
 from parflex.files.described import entries_of, first_line
+from parflex.files.flexure_schema import FlexureTable
 from parflex.files.joint_table import JointTable, Prismatic, Revolute, joint_table
 from parflex.files.tables import ZEROS, Point, Rotation, Table, Whole
 from parflex.robot.leg import Joint
@@ -22,6 +23,7 @@ class TipTable(Table):
 
     frame: Whole = Field(description="the link it is on, from 1; 0 is the leg's base")
     offset: Point = Field(ZEROS, description="where on the link, in its frame")
+    flexure: FlexureTable | None = Field(None, description="what acts against its turning")
 
 
 class AnyChainTable(Table):

@@ -11,11 +11,15 @@ from parflex.base.errors import InputError
 from parflex.base.kinds import POSITION
 from parflex.base.nearest import nearest
 from parflex.files.described import built
+from parflex.files.flexure_tables import flexure_of, needs_direction, strut_direction
 from parflex.files.joint_table import JointTable, joint_of
 from parflex.files.leg_schema import AnyChainTable, ChainTable, KindTable, LegTable, TipTable
+from parflex.files.lines import Where
+from parflex.files.link_tables import link_fields
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
 from parflex.files.tables import rotation_of
+from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robots.legs import ALL_LEG_KINDS
 
@@ -36,12 +40,23 @@ def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None
     assert isinstance(table, ChainTable)
     joints: tuple[Joint, ...] = ()
     for number, row in enumerate(table.joints):
-        more = reader.attempt(("chain", name, "joints", number), grown, joints, row)
+        where = ("chain", name, "joints", number)
+        link = link_fields(reader, where, row)
+        more = None if link is None else reader.attempt(where, grown, joints, row, link)
         if more is None:
             return None
         joints = more
-    tips = [reader.attempt(("chain", name, "tips", i), tip, joints, row) for i, row in enumerate(table.tips)]
+    tips = [tip_of(reader, ("chain", name, "tips", i), joints, row) for i, row in enumerate(table.tips)]
     return Parts(name, table, joints, tuple(found for found in tips if found is not None))
+
+
+def tip_of(reader: Reader, where: Where, joints: tuple[Joint, ...], row: TipTable) -> Tip | None:
+    """A tip of a chain with its flexure; None where there are complaints."""
+    flexure = None if row.flexure is None else reader.attempt((*where, "flexure"), flexure_of, row.flexure)
+    found = reader.attempt(where, tip, joints, row, flexure)
+    if found is not None and row.flexure is not None and needs_direction(row.flexure):
+        reader.attempt((*where, "flexure"), strut_direction, joints, found)
+    return found
 
 
 def kind_parts(reader: Reader, name: str, table: KindTable) -> Parts | None:
@@ -52,16 +67,18 @@ def kind_parts(reader: Reader, name: str, table: KindTable) -> Parts | None:
     return both and Parts(name, table, *both)
 
 
-def grown(joints: tuple[Joint, ...], row: JointTable) -> tuple[Joint, ...]:
+def grown(joints: tuple[Joint, ...], row: JointTable, link: dict[str, Any]) -> tuple[Joint, ...]:
     """A tree with one joint more, checked as a leg."""
-    more = (*joints, joint_of(row, len(joints)))
-    Leg(np.eye(3), np.zeros(3), more, (Tip(len(more)),))
+    more = (*joints, joint_of(row, len(joints), link))
+    body = more[-1].body
+    end = np.zeros(3) if body is None else body.attachment_points[0]
+    Leg(np.eye(3), np.zeros(3), more, (Tip(len(more), end),))
     return more
 
 
-def tip(joints: tuple[Joint, ...], row: TipTable) -> Tip:
+def tip(joints: tuple[Joint, ...], row: TipTable, flexure: Flexure | None) -> Tip:
     """A tip on one of the links, checked as a leg's."""
-    found = Tip(row.frame, row.offset)
+    found = Tip(row.frame, row.offset, flexure=flexure)
     Leg(np.eye(3), np.zeros(3), joints, (found,))
     return found
 

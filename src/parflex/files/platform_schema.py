@@ -80,7 +80,7 @@ class PolygonTable(MadeTable):
 
 
 class ModalTable(Table):
-    """A platform stored by parflex, with its modes."""
+    """A body stored by parflex, with its modes."""
 
     kind: Literal["modal"]
     file: str = Field(description="modal file, relative to the robot file")

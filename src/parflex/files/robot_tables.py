@@ -10,6 +10,7 @@ from parflex.base.array import Array
 from parflex.base.kinds import LENGTH
 from parflex.base.plausible import derived, usual
 from parflex.files.described import built
+from parflex.files.flexure_tables import at_home
 from parflex.files.leg_tables import chain_parts, placed_leg
 from parflex.files.platform_tables import platform
 from parflex.files.reading import Reader
@@ -35,7 +36,7 @@ def robot_of_legs(reader: Reader, table: RobotTable) -> Robot:
     body = laden_platform(reader, table)
     reader.stop()
     robot = reader.must(("home",), settled, joined_robot(reader, legs, body, table.gravity, home))
-    return with_springs_at_rest(reader, table, robot)
+    return with_springs_at_rest(reader, table, with_flexures(reader, table, robot))
 
 
 def robot_of_hexapod(reader: Reader, table: RobotTable) -> Robot:
@@ -72,6 +73,23 @@ def with_springs_at_rest(reader: Reader, table: RobotTable, robot: Robot) -> Rob
     with derived():
         legs = [at_rest(leg, at) if free else leg for leg, at, free in zip(robot.legs, q, loose, strict=True)]
         return replace(robot, legs=legs)
+
+
+def with_flexures(reader: Reader, table: RobotTable, robot: Robot) -> Robot:
+    """The robot whose flexures bend across, and twist about, the directions of their struts at home."""
+    rows: list[Any] = [getattr(table.chain[name], "tips", ()) for name in table.chains]
+    if not any(row.flexure for tips in rows for row in tips):
+        return robot
+    q, turn = reader.must(("home",), joints_at_home, robot), robot.home_pose[1]
+    legs = []
+    for name, leg, tips, at in zip(table.chains, robot.legs, rows, q, strict=True):
+        held = list(leg.tips)
+        for t, row in enumerate(tips):
+            if row.flexure is not None:
+                where = ("chain", name, "tips", t, "flexure")
+                held[t] = reader.must(where, at_home, row.flexure, leg, held[t], at, turn)
+        legs.append(replace(leg, tips=held))
+    return replace(robot, legs=legs)
 
 
 def at_rest(leg: Leg, q: Array) -> Leg:

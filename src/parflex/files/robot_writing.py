@@ -11,11 +11,13 @@ import tomli_w
 
 from parflex.base.writing import replacing
 from parflex.fe.modal_file import save_body
+from parflex.files.flexure_tables import flexure_entries
 from parflex.files.joint_table import joint_entries
+from parflex.files.link_writing import LinkFiles
 from parflex.files.platform_tables import rigid_table
 from parflex.files.robot_schema import FORMAT
 from parflex.robot.body import FlexibleBody
-from parflex.robot.leg import Leg
+from parflex.robot.leg import Leg, Tip
 from parflex.robot.robot import Robot
 
 # arrays without strings and tables, which fit on a line
@@ -26,20 +28,23 @@ Tables = dict[str, Any]
 
 
 def save_robot(robot: Robot, path: str | os.PathLike[str]) -> Path:
-    """Write a robot as TOML; a platform that is not rigid goes to a NetCDF-4 file beside it.
+    """Write a robot as TOML; a platform that is not rigid, and flexible links that are no beams, go to
+    NetCDF-4 files beside it.
 
     Raises InputError where a file cannot be written.
     """
     target = Path(path)
-    text = robot_text(robot, platform_entries(robot.platform, target))
+    links = LinkFiles(target.stem)
+    text = robot_text(robot, platform_entries(robot.platform, target), links)
+    links.save(target.parent)
     with replacing(target) as part:
         part.write(text.encode())
     return target
 
 
-def robot_text(robot: Robot, platform: Tables) -> str:
-    """The TOML of a robot with this table for its platform."""
-    chains, legs = leg_tables(robot.legs)
+def robot_text(robot: Robot, platform: Tables, links: LinkFiles | None = None) -> str:
+    """The TOML of a robot with this table for its platform, and files of flexible links."""
+    chains, legs = leg_tables(robot.legs, LinkFiles("robot") if links is None else links)
     position, rotation = (np.asarray(part, dtype=float).tolist() for part in robot.home_pose)
     tables = {
         "format": FORMAT,
@@ -67,23 +72,31 @@ def modal_table(file: str) -> Tables:
     return {"kind": "modal", "file": file}
 
 
-def leg_tables(legs: Sequence[Leg]) -> tuple[Tables, list[Tables]]:
+def leg_tables(legs: Sequence[Leg], links: LinkFiles) -> tuple[Tables, list[Tables]]:
     """Chains by name, and the legs that use them; what is written alike is one chain."""
     chains: dict[str, Tables] = {}
     names: dict[str, str] = {}
     rows = []
     for leg in legs:
-        chain = chain_entries(leg)
+        chain = chain_entries(leg, links)
         name = names.setdefault(repr(chain), f"{leg.word.replace('*', '').lower()}-{len(names) + 1}")
         chains[name] = chain
         rows.append(leg_entries(leg, name))
     return chains, rows
 
 
-def chain_entries(leg: Leg) -> Tables:
+def chain_entries(leg: Leg, links: LinkFiles) -> Tables:
     """Joints and tips; repr tells all floats apart, -0.0 from 0.0 too."""
-    tips = [{"frame": tip.frame, "offset": np.asarray(tip.offset).tolist()} for tip in leg.tips]
-    return {"joints": [joint_entries(joint, before) for before, joint in enumerate(leg.joints)], "tips": tips}
+    joints = [
+        joint_entries(joint, before) | links.entries(joint.body) for before, joint in enumerate(leg.joints)
+    ]
+    return {"joints": joints, "tips": [tip_entries(tip) for tip in leg.tips]}
+
+
+def tip_entries(tip: Tip) -> Tables:
+    """The table of a tip."""
+    row: Tables = {"frame": tip.frame, "offset": np.asarray(tip.offset).tolist()}
+    return row if tip.flexure is None else row | {"flexure": flexure_entries(tip.flexure)}
 
 
 def leg_entries(leg: Leg, chain: str) -> Tables:

@@ -57,6 +57,11 @@ class Beam:
         if self.length == 0:
             raise InputError(f"Beam.end is {self.end.tolist()}, where the beam begins; give its other end")
         _ = self.material  # raises
+        given, modes = self.damping_ratio.size, self.modes
+        if self.damping_ratio.ndim and given != modes:
+            raise InputError(
+                f"Beam.damping_ratio has {given} entries; give one for all modes, or one for each of {modes}"
+            )
         for name in ("bending", "axial", "torsion"):
             if getattr(self, name) > MOST:
                 raise InputError(
@@ -65,6 +70,11 @@ class Beam:
                 )
 
     __repr__ = told
+
+    @property
+    def modes(self) -> int:
+        """N, the number of modes."""
+        return 2 * (self.bending + 2 * self.static) + self.axial + self.torsion
 
     @cached_property
     def material(self) -> Material:

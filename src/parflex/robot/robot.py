@@ -78,8 +78,8 @@ class Robot:
     def to_file(self, path: str | os.PathLike[str]) -> Path:
         """Write the robot as a robot file (docs/robot-files.md) that `load_robot` reads to the same bits.
 
-        The modes of a flexible platform go to a NetCDF-4 file beside it. Raises InputError where a
-        file cannot be written.
+        The modes of a flexible platform go to a NetCDF-4 file beside it, and so do flexible links that are no
+        beams. Raises InputError where a file cannot be written.
         """
         written: Path = opened("Robot.to_file")(self, path)
         return written

@@ -1,0 +1,90 @@
+"""Flexures from the tables of tips, their directions taken from the robot at home, and their tables."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.base.spatial import vector_from_rotation
+from parflex.files.flexure_schema import FlexureTable
+from parflex.files.tables import rotation_of
+from parflex.robot.flexure import Flexure
+from parflex.robot.leg import Joint, Leg, Tip
+from parflex.robot.link_turns import link_turn
+
+FARTHEST = 175.0  # degrees from rest: the energy has a pole at 180
+SLIDES = np.array([0.0, 0.0, 1.0])
+
+
+def flexure_of(table: FlexureTable, axis: Array | None = None) -> Flexure:
+    """The flexure of a table; its bending and torsion are about an axis (3,) in the axes of the platform's
+    section, before it is known about any."""
+    n = SLIDES if axis is None else axis
+    about = Flexure.about(n, bending=table.bending or 0.0, torsion=table.torsion or 0.0)
+    damping = np.asarray(table.damping, dtype=float)
+    return Flexure(
+        about.stiffness if table.stiffness is None else table.stiffness,
+        damping if damping.ndim else damping * np.eye(3),
+        table.friction,
+        table.friction_speed,
+        None if table.rest is None else rotation_of(table.rest),
+    )
+
+
+def needs_direction(table: FlexureTable) -> bool:
+    """True where bending and torsion differ."""
+    return (table.bending or 0.0) != (table.torsion or 0.0)
+
+
+def at_home(table: FlexureTable, leg: Leg, tip: Tip, q: Array, platform: Array) -> Tip:
+    """The tip with its flexure about the direction that its strut has at home, with joints q (n,) and the
+    platform turned by `platform` (3, 3).
+
+    Raises InputError where the tip is turned there by nearly half a turn from rest.
+    """
+    turn = platform.T @ np.asarray(leg.rotation) @ link_turn(leg.joints, tip.frame, q)
+    axis = turn @ strut_direction(leg.joints, tip) if needs_direction(table) else None
+    flexure = flexure_of(table, axis)
+    if flexure.rest is not None:
+        angle = np.degrees(np.linalg.norm(vector_from_rotation(turn @ np.asarray(flexure.rest).T)))
+        if angle > FARTHEST:
+            raise InputError(
+                f"rest is {angle:.1f} deg from how the tip is turned at home, and a flexure has no energy at "
+                f"180 deg; give the rotation without load, within {FARTHEST:g} deg of that"
+            )
+    return replace(tip, flexure=flexure)
+
+
+def strut_direction(joints: Sequence[Joint], tip: Tip) -> Array:
+    """The direction (3,) of a tip's link in its frame: from the joint to the tip, or, where the tip is at the
+    frame's origin, along a slide.
+
+    Raises InputError where a joint that turns is at the tip.
+    """
+    offset = np.asarray(tip.offset)
+    if np.any(offset):
+        return offset / np.linalg.norm(offset)
+    if tip.frame and joints[tip.frame - 1].sigma:
+        return SLIDES
+    raise InputError(
+        f"bending and torsion differ, but the tip is at the origin of frame {tip.frame}, so that its strut "
+        f"has no direction; give stiffness as a matrix"
+    )
+
+
+def flexure_entries(flexure: Flexure) -> dict[str, Any]:
+    """The table of a flexure without what is by default."""
+    plain = Flexure()
+    values = {
+        name: np.asarray(getattr(flexure, name)).tolist()
+        for name in ("stiffness", "damping", "friction", "friction_speed")
+    }
+    given = {
+        name: value
+        for name, value in values.items()
+        if repr(value) != repr(np.asarray(getattr(plain, name)).tolist())
+    }
+    return given if flexure.rest is None else given | {"rest": np.asarray(flexure.rest).tolist()}
