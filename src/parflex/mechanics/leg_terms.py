@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, join, merged, mtv, mv, split, stack, transpose
+from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, recursion
 from parflex.mechanics.chain import Frames, Point
 from parflex.mechanics.flexures import bent_angle, moments, relative_spin
@@ -168,6 +169,19 @@ def flexed(
     omega = relative_spin(C, mv(J_r, zd[..., None, :]), spin)
     moment = mv(C, moments(group.flexures, theta, omega))
     return theta, omega, moment, np.sum(mtv(J_r, moment), axis=-2)
+
+
+def accelerated(group: LegGroup, A: Array, pulls: Array) -> Array:
+    """A⁻¹ times columns (…, L, z, c): accelerations of the legs under generalised forces.
+
+    Elastic coordinates are eliminated first: among themselves they are nearly orthonormal.
+    """
+    n, size = group.chain.n, group.chain.size
+    if n == size:
+        return solve_definite(A, pulls)
+    order = np.roll(np.arange(size), -n)
+    found = solve_definite(A[..., order, :][..., order], pulls[..., order, :])
+    return found[..., np.argsort(order), :]
 
 
 def selection(group: LegGroup) -> Array:
