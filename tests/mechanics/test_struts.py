@@ -94,3 +94,48 @@ def test_flexure_moments_are_the_gradient_of_their_energy(angle):
     theta = flexures.bent_angle(tables, turn[None, None], leg[None, None])
     found = flexures.moments(tables, theta, np.zeros((1, 1, 3)))[0, 0]
     assert found == pytest.approx(-gradient, rel=0, abs=1e-10 * np.max(np.abs(gradient)))
+
+
+@pytest.mark.filterwarnings("ignore:density is:parflex.ImplausibleValue")
+def test_stiffness_on_axially_elastic_struts():
+    """K = Jᵀ k J of a platform on six struts of fixed length, k = E A / ℓ each: by the exact Jacobian of the
+    direct model, the struts without mass to speak of."""
+    robot, J, k = on_six_struts()
+    model = pf.Model(robot, "numpy")
+    mechanism = core_of(model).mechanism
+    by_state = model.direct_jacobian(robot.home, np.zeros(0)).state
+    T = allowed(mechanism, core_of(model).flat(robot.home))
+    follow = T[6:][mechanism.kept] @ np.linalg.inv(T[:6])  # of the struts' coordinates, with the platform's
+    motions = mechanism.layout.motions
+    slopes_by_pose = by_state[:, :6] + by_state[:, motions.joints] @ follow
+    mass = np.diag([MASS] * 3 + [INERTIA] * 3)
+    assert -mass @ slopes_by_pose == pytest.approx(J.T @ (k[:, None] * J), rel=0, abs=1e-9 * np.max(k))
+
+
+MASS, INERTIA, TOP = 10.0, 0.3, 0.6
+
+
+def on_six_struts() -> tuple[pf.Robot, np.ndarray, np.ndarray]:
+    """A rigid platform on six struts without motors; J (6, 6) of their lengths, and their stiffness (6,)."""
+
+    def ring(radius: float, height: float, *angles: float) -> np.ndarray:
+        at = np.deg2rad(angles)
+        return np.stack([radius * np.cos(at), radius * np.sin(at), 0 * at + height], axis=1)
+
+    feet = ring(0.5, 0.0, 10, 110, 130, 230, 250, 350)
+    heads = ring(0.3, TOP, 50, 70, 170, 190, 290, 310)
+    material = STEEL | {"density": 1e-7}
+    legs, rows, k = [], [], []
+    for i, (foot, head) in enumerate(zip(feet, heads, strict=True)):
+        length = np.linalg.norm(head - foot)
+        n = (head - foot) / length
+        up = np.cross(n, (1.0, 0.0, 0.0))
+        up /= np.linalg.norm(up)
+        beam = pf.beam((length, 0, 0), 0.01, **material, bending=0, axial=1)
+        joints = (pf.Joint(0, 0), pf.Joint(1, 0, alpha=np.pi / 2, body=beam))
+        axes = np.stack([n, np.cross(up, n), up], axis=1)
+        legs.append(pf.Leg(axes, foot, joints, (pf.Tip(2, (length, 0, 0), i),)))
+        rows.append([*n, *np.cross(head - (0, 0, TOP), n)])
+        k.append(STEEL["young"] * np.pi / 4 * 0.01**2 / length)
+    platform = pf.FlexibleBody.rigid(MASS, (0, 0, 0), INERTIA * np.eye(3), heads - (0, 0, TOP))
+    return pf.Robot(legs, platform, (0, 0, 0), ((0, 0, TOP), np.eye(3))), np.array(rows), np.array(k)

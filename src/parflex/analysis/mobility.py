@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.closure import ALL, POSE, actuated_rows, closure_matrix, displaced, units
+from parflex.mechanics.closure import EVERY, POSE, actuated_rows, closure_matrix, displaced, units
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import assembled
 
@@ -18,7 +18,7 @@ HAIR = 1e-14  # of the platform's size: what round-off may put a pose beyond rea
 
 @dataclass(frozen=True)
 class Mobility:
-    """The freedoms that the closure leaves at a state, the platform's modes aside.
+    """The freedoms that the closure leaves at a state, elastic coordinates of platform and legs aside.
 
     Twists are (v, ω) in Σp, m/s and rad/s, wrenches (f, n) in Σp, N and N m, with unit largest
     component in the scale of the platform.
@@ -28,7 +28,7 @@ class Mobility:
     internal: int  # further motions, of legs alone, that no actuator holds
     actuators: int
     rows: int  # closure equations, 3 per tip
-    rank: int  # independent ones, modes included
+    rank: int  # independent ones, elastic coordinates included
     not_unique: tuple[int, ...]  # attachments whose contact force is not unique
     parallel: Array  # (k, 6) twists that locked actuators leave free
     serial: Array  # (k, m) actuator rates that leave the platform still
@@ -58,7 +58,7 @@ class Mobility:
 
 
 class Motions(NamedTuple):
-    """All motions of a robot whose platform does not bend: columns, in the robot's scale."""
+    """All motions of a robot that does not bend: columns, in the robot's scale."""
 
     platform: Array  # (6, d), angular rows in metres
     actuated: Array  # (m, d)
@@ -99,16 +99,16 @@ def reached(mechanism: Mechanism, x: Array) -> Array:
 
 
 def scaled_closure(mechanism: Mechanism, x: Array) -> Array:
-    """[−Wᵀ J] (3k, 6 + N + n) at a flat state, its columns in the robot's scale."""
-    return closure_matrix(assembled(mechanism, x)) * units(mechanism, ALL)
+    """[−Wᵀ J] (3k, 6 + N + z) at a flat state, its columns in the robot's scale."""
+    return closure_matrix(assembled(mechanism, x)) * units(mechanism, EVERY)
 
 
 def motions(mechanism: Mechanism, G: Array) -> Motions:
-    """The motions that a scaled closure allows while the platform does not bend."""
-    bend = mechanism.layout.displacements.elastic
-    Z = null_space(np.delete(G, bend, axis=1))
-    S = actuated_rows(mechanism) * units(mechanism, ALL)
-    return Motions(Z[:6], np.delete(S, bend, axis=1) @ Z)
+    """The motions that a scaled closure allows while neither platform nor legs bend."""
+    rigid = units(mechanism, POSE) > 0
+    Z = null_space(G[:, rigid])
+    S = actuated_rows(mechanism) * units(mechanism, POSE)
+    return Motions(Z[:6], S[:, rigid] @ Z)
 
 
 def freed_twist(mechanism: Mechanism, x: Array) -> Array:
