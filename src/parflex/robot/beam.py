@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -126,9 +126,13 @@ class Beam:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class BeamBody(FlexibleBody):
-    """The body that a beam is, and the beam whose body it was when it was made."""
+    """The body that a beam is, and the beam whose body it was when it was made.
+
+    The shapes are those of the beam `basis`, by default the same: parameters that change a section keep them.
+    """
 
     beam: Beam | None = None
+    basis: Beam | None = None
 
 
 def beam(
@@ -228,21 +232,38 @@ def fields(beam: Beam, modes: BeamModes, xi: Array) -> tuple[Array, Array]:
 def moments_of(beam: Beam, phi: Array, psi: Array) -> Moments:
     """The integrals of a body whose sections are displaced by φ and turned by ψ (N, P, 3) at the Gauss
     points, Φ = φ + ψ × ρ with ∫ ρ dA = 0 and ∫ ρ ρᵀ dA = I (1 − t tᵀ)."""
-    (A, second), t, length = beam.section, beam.axes[0], beam.length
-    across = second * (np.eye(3) - np.outer(t, t))
-    dm = beam.density * length * WEIGHTS  # per area
-    r = length * POINTS[:, None] * t
-    turns = skew(psi)
-    of_turns = np.einsum("p,npab->nab", dm, turns) @ across
-    both = np.einsum("p,npab,bc,jpdc->njad", dm, turns, across, turns, optimize=True)
-    return Moments(
-        m=float(beam.density * A * length),
-        MS0=beam.density * A * length**2 / 2 * t,
-        P0=beam.density * A * length**3 / 3 * np.outer(t, t) + beam.density * length * across,
-        S=A * np.einsum("p,npa->an", dm, phi),
-        P1=A * np.einsum("p,npa,pb->nab", dm, phi, r) + of_turns,
-        P2=A * np.einsum("p,npa,jpb->njab", dm, phi, phi, optimize=True) + both,
+    A, second = beam.section
+    by_area, by_second = moments_by_section(beam, phi, psi)
+    return weighed(by_area, by_second, beam.density * A, beam.density * second)
+
+
+def moments_by_section(beam: Beam, phi: Array, psi: Array) -> tuple[Moments, Moments]:
+    """The integrals per ρ A and per ρ I, which do not depend on the section."""
+    t, length = beam.axes[0], beam.length
+    across = np.eye(3) - np.outer(t, t)
+    ds, r, turns = length * WEIGHTS, length * POINTS[:, None] * t, skew(psi)
+    by_area = Moments(
+        m=length,
+        MS0=length**2 / 2 * t,
+        P0=length**3 / 3 * np.outer(t, t),
+        S=np.einsum("p,npa->an", ds, phi),
+        P1=np.einsum("p,npa,pb->nab", ds, phi, r),
+        P2=np.einsum("p,npa,jpb->njab", ds, phi, phi, optimize=True),
     )
+    by_second = Moments(
+        m=0.0,
+        MS0=np.zeros(3),
+        P0=length * across,
+        S=0.0 * by_area.S,
+        P1=np.einsum("p,npab->nab", ds, turns) @ across,
+        P2=np.einsum("p,npab,bc,jpdc->njad", ds, turns, across, turns, optimize=True),
+    )
+    return by_area, by_second
+
+
+def weighed(by_area: Moments, by_second: Moments, line: Any, turning: Any) -> Moments:
+    """The integrals of a beam of ρ A = line (kg/m) and ρ I = turning (kg m), numbers or symbols."""
+    return Moments._make(line * a + turning * b for a, b in zip(by_area, by_second, strict=True))
 
 
 def shortening_of(beam: Beam, psi: Array) -> Array:

@@ -1,11 +1,12 @@
-"""Numbers of a robot that models take when they run: inertias, friction, springs, payload, gravity.
+"""Numbers of a robot that models take when they run: inertias, friction, springs, beams, payload, gravity.
 
 A parameter is named by Python's own path into a robot. All parameters of a model are one vector
 θ (P,), and the mechanics with θ is that of the robot with the numbers in its tables.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from itertools import chain
+from operator import attrgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,39 +15,44 @@ from parflex.base.array import Array, join
 from parflex.base.check import NOT_NEGATIVE, Rule, finite, obeying
 from parflex.base.errors import InputError
 from parflex.base.nearest import nearest
+from parflex.robot.beam import Beam, BeamBody
+from parflex.robot.beam_section import CHANGING
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
+from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robot.robot import Robot
 
 OF_MODES = ("frequencies", "damping_ratio")
 
 
-def of_joint(joint: type[Joint]) -> dict[str, Column]:
-    """The fields of a joint that are parameters, by name."""
-    return {name: column for name, column in described(joint).items() if column.parameter}
+def of(kind: type) -> dict[str, Column]:
+    """The fields of a joint or a flexure that are parameters, by name."""
+    return {name: column for name, column in described(kind).items() if column.parameter}
 
 
+OF_MASS = ("M", "MS", "I")  # which a flexible link has in its body
+OF_BEAM, OF_FLEXURE = "body.beam.", "flexure."  # the ways from a joint and from a tip to their numbers
 KINDS = (
-    "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(of_joint(Joint)) + ", "
+    "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(of(Joint)) + ", or of "
+    "body.beam." + ", body.beam.".join(CHANGING) + " where the link is a beam, legs[i].tips[j].flexure.X "
+    "with X one of " + ", ".join(of(Flexure)) + ", "
     "platform.frequencies, platform.damping_ratio, and platform.payload[node]; indices count from 0"
 )
-GEOMETRY = (
-    {name for kind in (Joint, Tip, Leg) for name in described(kind)} - set(of_joint(Joint)) - {"joints"}
-)
+GEOMETRY = {name for kind in (Joint, Tip, Leg) for name in described(kind)} - set(of(Joint)) - {"joints"}
 GEOMETRY |= {"posture", "home_pose", "nodes", "shapes", "rotation_shapes", "attachments"}
 
 Values = Mapping[str, Any]
 
 
 class Parameter(NamedTuple):
-    """Some entries of θ: the number `field` of joint `number` of legs, of the platform, or gravity."""
+    """Some entries of θ: the number `field` of joint or tip `number` of legs, of the platform, or gravity."""
 
     name: str
     field: str
     shape: tuple[int, ...]
     legs: tuple[int, ...] = ()
-    number: int = 0  # of a joint, or of the node that a payload is on
+    number: int = 0  # of a joint, of a tip, or of the node that a payload is on
     rule: Rule | None = None
 
     @property
@@ -134,16 +140,31 @@ def every_parameter(robot: Robot) -> dict[str, Parameter]:
     ]
     of_legs: dict[tuple[int, str], list[Parameter]] = {}
     for i, leg in enumerate(robot.legs):
-        for j, joint in enumerate(leg.joints):
-            for field, column in of_joint(type(joint)).items():
-                one = Parameter(f"legs[{i}].joints[{j}].{field}", field, column.shape, (i,), j, column.rule)
-                of_legs.setdefault((j, field), []).append(one)
+        for one in of_leg(i, leg):
+            of_legs.setdefault((one.number, one.field), []).append(one)
     shared = [
-        alike[0]._replace(name=f"legs[*].joints[{j}].{field}", legs=tuple(range(count)))
-        for (j, field), alike in of_legs.items()
+        alike[0]._replace(name=alike[0].name.replace("legs[0]", "legs[*]"), legs=tuple(range(count)))
+        for alike in of_legs.values()
         if len(alike) == count
     ]
     return {item.name: item for item in chain(of_body, shared, *of_legs.values())}
+
+
+def of_leg(i: int, leg: Leg) -> Iterator[Parameter]:
+    """The parameters of a leg's joints, of links that are beams, and of flexures at its tips."""
+    for j, joint in enumerate(leg.joints):
+        for field, column in of(type(joint)).items():
+            if joint.body is None or field not in OF_MASS:
+                yield Parameter(f"legs[{i}].joints[{j}].{field}", field, column.shape, (i,), j, column.rule)
+        if isinstance(joint.body, BeamBody):
+            for field in CHANGING:
+                rule, way = described(Beam)[field].rule, OF_BEAM + field
+                yield Parameter(f"legs[{i}].joints[{j}].{way}", way, (), (i,), j, rule)
+    for t, tip in enumerate(leg.tips):
+        if tip.flexure is not None:
+            for field, column in of(Flexure).items():
+                way = OF_FLEXURE + field
+                yield Parameter(f"legs[{i}].tips[{t}].{way}", way, column.shape, (i,), t, column.rule)
 
 
 def named_parameter(robot: Robot, known: Mapping[str, Parameter], name: object) -> Parameter:
@@ -198,7 +219,9 @@ def own_value(robot: Robot, item: Parameter) -> Array:
         return np.zeros(())
     if item.field in OF_MODES:
         return modal_values(body)[OF_MODES.index(item.field)]
-    values = [np.asarray(getattr(robot.legs[leg].joints[item.number], item.field)) for leg in item.legs]
+    legs = [robot.legs[leg] for leg in item.legs]
+    parts = [leg.tips if item.field.startswith(OF_FLEXURE) else leg.joints for leg in legs]
+    values = [np.asarray(attrgetter(item.field)(part[item.number])) for part in parts]
     if not all(np.array_equal(value, values[0]) for value in values):
         raise InputError(
             f"parameters: {item.name!r} is one value for all legs, but theirs differ; name each leg"

@@ -1,0 +1,100 @@
+"""Sections of beams and flexures as parameters, against robots that are built with the numbers."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import parflex as pf
+from measures import relative
+from parflex.robot.beam import beam
+
+STEEL = {"young": 205e9, "poisson": 0.29, "density": 7850.0}
+NONE = {"M": 0.0, "MS": np.zeros(3), "I": np.zeros((3, 3))}
+SPRING = np.diag([5.0, 4.0, 260.0])
+OUTER, STIFFNESS = "legs[*].joints[2].body.beam.outer", "legs[*].tips[0].flexure.stiffness"
+ONE = "legs[1].joints[1].body.beam.young"
+
+
+def robot(outer: float = 0.032, young: float = STEEL["young"], stiffness: np.ndarray = SPRING) -> pf.Robot:
+    """The paper's robot on struts: one bending and one axial shape in a rod, two of bending in a cylinder."""
+    rigid = pf.robots.gough_stewart(modes=3)
+    legs = []
+    for i, leg in enumerate(rigid.legs):
+        first, second, third = leg.joints
+        material = STEEL | ({"young": young} if i == 1 else {})
+        cylinder = beam((0, -0.7, 0), 0.08, 0.068, **material, bending=2, damping_ratio=0.01)
+        rod = beam((0, 0, 0.62), outer, **STEEL, bending=1, axial=1, damping_ratio=0.005)
+        joints = (first, replace(second, **NONE, body=cylinder), replace(third, **NONE, body=rod))
+        spring = pf.Flexure(stiffness, 0.1 * np.eye(3), rest=np.eye(3))
+        legs.append(replace(leg, joints=joints, tips=(pf.Tip(3, (0, 0, 0.62), i, spring),), posture=None))
+    return replace(rigid, legs=tuple(legs))
+
+
+def at_rest_in_shape(model: pf.Model) -> pf.State:
+    """At home with nothing bent: there the amplitudes of shapes, whose size a basis chooses, do not count."""
+    return replace(model.robot.home, twist=(0.1, -0.2, 0.1, 0.3, 0.1, -0.2))
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm", "native"])
+def test_a_section_is_that_of_a_robot_built_with_it(backend):
+    """The platform's accelerations and the contact forces, which no basis of the shapes changes."""
+    model = pf.Model(robot(), backend, [OUTER, ONE, STIFFNESS])
+    state, forces = at_rest_in_shape(model), np.arange(6.0)
+    values = {OUTER: 0.04, ONE: 150e9, STIFFNESS: 2 * SPRING}
+    built = pf.Model(robot(0.04, 150e9, 2 * SPRING), "numpy").direct(state, forces)
+    for found in (
+        model.direct(state, forces, parameters=values),
+        model.with_parameters(values).direct(state, forces),
+    ):
+        assert relative(found.platform, built.platform) <= 1e-10
+        assert relative(found.elastic, built.elastic) <= 1e-10
+        assert relative(found.contact_forces, built.contact_forces) <= 1e-10
+
+
+def test_the_same_numbers_change_nothing():
+    """Bent and in motion, where stiffness and damping of every shape count."""
+    rng, plain, model = (
+        np.random.default_rng(2),
+        pf.Model(robot(), "numpy"),
+        pf.Model(robot(), "numpy", [OUTER, ONE]),
+    )
+    sizes = [leg.size - len(leg.joints) for leg in plain.robot.legs]
+    state = replace(
+        at_rest_in_shape(model),
+        leg_elastic=tuple(1e-3 * rng.normal(size=n) for n in sizes),
+        leg_elastic_rate=tuple(0.1 * rng.normal(size=n) for n in sizes),
+    )
+    a, b = (m.direct(state, np.arange(6.0)) for m in (plain, model))
+    assert relative(a.platform, b.platform) <= 1e-10
+    assert relative(np.concatenate(a.leg_elastic), np.concatenate(b.leg_elastic)) <= 1e-10
+
+
+def test_a_model_with_another_section_keeps_its_shapes():
+    """Its robot's body is in the shapes of the first, so that states mean the same; frequencies follow."""
+    model = pf.Model(robot(), "numpy", [OUTER])
+    body = model.with_parameters({OUTER: 0.04}).robot.legs[0].joints[2].body
+    first = model.robot.legs[0].joints[2].body
+    assert np.array_equal(body.shapes, first.shapes)
+    fresh = beam((0, 0, 0.62), 0.04, **STEEL, bending=1, axial=1)
+    assert body.frequencies == pytest.approx(fresh.frequencies, rel=1e-12)
+    assert body.moments.m == pytest.approx(fresh.moments.m, rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("legs[0].joints[2].M", "no parameter"),
+        ("legs[0].joints[2].body.beam.end", "no parameter"),
+        ("legs[0].tips[0].flexure.rest", "no parameter"),
+    ],
+)
+def test_what_is_none(name, words):
+    with pytest.raises(pf.InputError, match=words):
+        pf.Model(robot(), "numpy", [name])
+
+
+def test_refused_values():
+    model = pf.Model(robot(), "numpy", [OUTER])
+    with pytest.raises(pf.InputError, match="outer"):
+        model.with_parameters({OUTER: -0.01})
