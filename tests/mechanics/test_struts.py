@@ -1,5 +1,7 @@
 """Struts between joints: their frequencies against Rayleigh's closed form, and their flexures' moments."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -139,3 +141,18 @@ def on_six_struts() -> tuple[pf.Robot, np.ndarray, np.ndarray]:
         k.append(STEEL["young"] * np.pi / 4 * 0.01**2 / length)
     platform = pf.FlexibleBody.rigid(MASS, (0, 0, 0), INERTIA * np.eye(3), heads - (0, 0, TOP))
     return pf.Robot(legs, platform, (0, 0, 0), ((0, 0, TOP), np.eye(3))), np.array(rows), np.array(k)
+
+
+def test_a_flexure_that_is_turned_about_is_refused():
+    """Within 5 degrees of half a turn; before that the moment is what the formula says."""
+    robot = held_strut(bending=1)
+    leg = robot.legs[0]
+    for degrees, fine in ((170.0, True), (176.0, False), (179.9, False)):
+        rest = rotation_from_vector(np.deg2rad([degrees, 0.0, 0.0]))
+        tip = replace(leg.tips[0], flexure=pf.Flexure(np.eye(3), rest=rest))
+        turned = pf.Model(replace(robot, legs=(replace(leg, tips=(tip,)), *robot.legs[1:])), "numpy")
+        if fine:
+            turned.direct(robot.home, [0.0])
+        else:
+            with pytest.raises(pf.InputError, match="5 degrees of half a turn"):
+                turned.direct(robot.home, [0.0])

@@ -94,7 +94,8 @@ def check_reach(mechanism: Mechanism, health: Array) -> None:
 
 
 def check_legs(mechanism: Mechanism, health: Array) -> None:
-    """Raise an error where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose)."""
+    """Raise an error where a leg cannot reach its tip (OutOfReach) or is singular there (SingularPose), or
+    where a flexure is nearly turned about (InputError)."""
     at = mechanism.health
     margins = health[..., at.margins]
     if margins.size == 0 or margins.min() > SINGULAR:
@@ -107,6 +108,13 @@ def check_legs(mechanism: Mechanism, health: Array) -> None:
         if np.any(bad):
             where = index_of(np.any(bad, axis=-1))
             raise error(f"pose{where}: leg {np.argwhere(bad)[0][-1] + 1} {what}")
+    bad = ~(health[..., at.open] > SINGULAR)
+    if np.any(bad):
+        where, leg = index_of(np.any(bad, axis=-1)), at.open_legs[np.argwhere(bad)[0][-1]] + 1
+        raise InputError(
+            f"pose{where}: the flexure at a tip of leg {leg} is within 5 degrees of half a turn from its "
+            f"rest, where its energy has no bound; move the pose, or give Flexure.rest near to it"
+        )
 
 
 def check_finite(answer: Array) -> None:

@@ -111,13 +111,16 @@ def outputs(mechanism: Mechanism, output: Output) -> Rows:
 
 def health(mechanism: Mechanism) -> Rows:
     """The entries of health."""
-    count, gaps = len(mechanism.legs), len(mechanism.health.gap_legs)
+    at = mechanism.health
+    count, soft, gaps = len(mechanism.legs), len(at.open_legs), len(at.gap_legs)
+    after = 2 * count + soft
     tip_gap = "gap between each tip of the legs and its attachment, x y z, m; small on the closure"
     rows = [
         span("health", 0, count, "reach of each leg: of order 1, not positive beyond it"),
         span("health", count, count, "regularity of each leg: of order 1, zero where it is singular"),
-        span("health", 2 * count, gaps, tip_gap),
-        span("health", 2 * count + gaps, gaps, "rates of these gaps, m/s"),
+        span("health", 2 * count, soft, "of each flexure: not positive within 5 degrees of half a turn"),
+        span("health", after, gaps, tip_gap),
+        span("health", after + gaps, gaps, "rates of these gaps, m/s"),
     ]
     return [row for row in rows if row[0]]
 

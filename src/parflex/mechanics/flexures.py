@@ -6,6 +6,7 @@ m = Gᵀ K θ + D ω + μ ω/√(ω² + v²) with G = 1 − ½ θ̂ + ¼ θ θ�
 relative to the platform's.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +15,8 @@ from parflex.base.array import Array, dot, mtv, mv, outer, skew, trace, transpos
 from parflex.base.spatial import axial
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Leg
+
+FURTHEST = 2.0 * (1.0 + math.cos(math.radians(175.0)))
 
 
 class Flexures(NamedTuple):
@@ -66,6 +69,14 @@ def bent_angle(flexures: Flexures, turn: Array, leg: Array) -> Array:
     axes."""
     Q = transpose(turn) @ leg @ transpose(flexures.rest)
     return 2.0 / (1.0 + trace(Q))[..., None] * axial(Q)
+
+
+def openness(turn: Array, leg: Array, flexures: Flexures) -> Array:
+    """2 (1 + cos φ) (…, L, t) less its value at 175°: not positive where a flexure is nearly turned about,
+    beyond which its energy has no bound; of tips without one it is 1."""
+    Q = transpose(turn) @ leg @ transpose(flexures.rest)
+    soft = np.any((flexures.stiffness != 0).astype(bool), axis=(-2, -1))
+    return np.where(soft, 1.0 + trace(Q) - FURTHEST, 1.0)
 
 
 def moments(flexures: Flexures, theta: Array, spin: Array) -> Array:

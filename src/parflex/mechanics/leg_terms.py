@@ -9,7 +9,7 @@ from parflex.base.array import Array, join, merged, mtv, mv, split, stack, trans
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, recursion
 from parflex.mechanics.chain import Frames, Point
-from parflex.mechanics.flexures import bent_angle, moments, relative_spin
+from parflex.mechanics.flexures import bent_angle, moments, openness, relative_spin
 from parflex.mechanics.inertia import inertia_matrix
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
@@ -43,6 +43,7 @@ class LegTerms(NamedTuple):
         Array  # (…, L, t, 3), angular velocity of the legs' sections relative to the platform's, in its axes
     )
     moment: Array  # (…, L, t, 3), of the flexures on the platform, in Σp
+    open: Array  # (…, L, t), of order 1; not positive where a flexure is nearly turned about; (…, L, 0)
 
     @property
     def qd(self) -> Array:
@@ -101,13 +102,13 @@ def terms_of(
     J_p = np.concatenate([R_pi @ part for part in J], axis=-2)
     A = np.broadcast_to(inertia_matrix(c, frames), (*legs, c.size, c.size))
     bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + recursion.passive(c, joints, zd)
-    bending, spin, moment = place[..., :0, :], place[..., :0, :], place[..., :0, :]
+    of_flexures = [*[place[..., :0, :]] * 3, place[..., :0, 0]]
     if group.flexures is not None:
-        bending, spin, moment, pull = flexed(group, frames, tips, zd, R_ip, section)
+        pull, *of_flexures = flexed(group, frames, tips, zd, R_ip, section)
         bias = bias + pull
     reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
     moved = (zd, A, bias, J_p, Jdqd, gap, mv(J_p, zd) - v, reach, regularity)
-    stand = (branch, R_ip, place, velocity, bending, spin, moment)
+    stand = (branch, R_ip, place, velocity, *of_flexures)
     return LegTerms(EMPTY, joints, frames._replace(seats=[], bodies=[]), *moved, *stand)
 
 
@@ -158,8 +159,9 @@ def tips_of(
 
 def flexed(
     group: LegGroup, frames: Frames, tips: Sequence[Point], zd: Array, R_ip: Array, section: Array
-) -> tuple[Array, Array, Array, Array]:
-    """θ, ω, the moments on the platform in Σp (…, L, t, 3), and what they pull at the legs (…, L, z)."""
+) -> tuple[Array, ...]:
+    """The pull (…, L, z) of the flexures at the legs; θ, ω and moments on the platform in Σp (…, L, t, 3),
+    and how far they are open (…, L, t)."""
     assert group.flexures is not None, "legs without flexures have none of this"
     C, spin = split(section.reshape(section.shape[:-1] + (len(tips), 12)), [(3, 3), (3,)])
     R_leg = stack([chain.tip_rotation(frames, tip) for tip in tips], axis=-3)
@@ -168,7 +170,7 @@ def flexed(
     theta = bent_angle(group.flexures, R_ip @ C, R_leg)
     omega = relative_spin(C, mv(J_r, zd[..., None, :]), spin)
     moment = mv(C, moments(group.flexures, theta, omega))
-    return theta, omega, moment, np.sum(mtv(J_r, moment), axis=-2)
+    return np.sum(mtv(J_r, moment), axis=-2), theta, omega, moment, openness(R_ip @ C, R_leg, group.flexures)
 
 
 def accelerated(group: LegGroup, A: Array, pulls: Array) -> Array:

@@ -26,16 +26,19 @@ class Health(NamedTuple):
 
     reach: slice
     regularity: slice
+    open: slice  # of the flexures at tips
     gap: slice
     gap_rate: slice
     leg_order: Array
+    open_order: Array
     gap_order: Array
+    open_legs: Array  # the number of the leg that each flexure belongs to
     gap_legs: Array  # the number of the leg that each gap belongs to
 
     @property
     def margins(self) -> slice:
-        """Reach and regularity together."""
-        return slice(0, self.regularity.stop)
+        """All that must be positive: reach, regularity, and flexures that are not turned about."""
+        return slice(0, self.open.stop)
 
     @property
     def size(self) -> int:
@@ -154,13 +157,15 @@ class Mechanism:
 
     @cached_property
     def health(self) -> Health:
-        """The places of reach, regularity and gaps of the legs in `system.health`."""
+        """The places of reach, regularity, flexures and gaps of the legs in `system.health`."""
         gaps = [n for g in self.groups if not g.closed for n in np.repeat(g.legs, 3 * len(g.tip_frames))]
-        legs, open_gaps = self.legs, np.array(gaps, dtype=int)
-        parts = spans(len(legs), len(legs), len(gaps), len(gaps))
-        reach, regularity, gap, gap_rate = parts
-        orders = np.argsort(legs), np.argsort(open_gaps, kind="stable"), np.sort(open_gaps)
-        return Health(reach, regularity, gap, gap_rate, *orders)
+        soft = [n for g in self.groups if g.flexures for n in np.repeat(g.legs, len(g.tip_frames))]
+        parts = spans(len(self.legs), len(self.legs), len(soft), len(gaps), len(gaps))
+        reach, regularity, opening, gap, gap_rate = parts
+        numbers = [np.array(each, dtype=int) for each in (soft, gaps)]
+        orders = [np.argsort(each, kind="stable") for each in (self.legs, *numbers)]
+        legs = [np.sort(each) for each in numbers]
+        return Health(reach, regularity, opening, gap, gap_rate, *orders, *legs)
 
     @cached_property
     def slides(self) -> Array:

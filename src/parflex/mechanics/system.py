@@ -108,23 +108,26 @@ def actuated_axes(system: System) -> Array:
 
 
 def health(system: System) -> Array:
-    """Reach and regularity of all legs, gaps and their rates at tips of legs that do not close by themselves.
+    """Reach and regularity of all legs, how far flexures are open, gaps and their rates at tips of legs that
+    do not close by themselves.
 
     They tell whether the state is one, and stand where `mechanism.health` says.
     """
     at, legs = system.mechanism.health, system.legs
     tips = [leg for leg in legs if not leg.group.closed]
-    reach, regularity, gap, gap_rate = (
+    reach, regularity, opening, gap, gap_rate = (
         join([np.zeros(0), *parts])
         for parts in (
             [leg.reach for leg in legs],
             [leg.regularity for leg in legs],
+            [merged(leg.open) for leg in legs],
             [merged(leg.gap) for leg in tips],
             [merged(leg.gap_rate) for leg in tips],
         )
     )
-    by_leg, by_gap = at.leg_order, at.gap_order
-    return join([reach[..., by_leg], regularity[..., by_leg], gap[..., by_gap], gap_rate[..., by_gap]])
+    by_leg, by_gap, opening = at.leg_order, at.gap_order, opening[..., at.open_order]
+    of_legs = (reach[..., by_leg], regularity[..., by_leg], opening)
+    return join([*of_legs, gap[..., by_gap], gap_rate[..., by_gap]])
 
 
 def joint_rates(system: System) -> Array:
