@@ -4,6 +4,8 @@ It has the positions of all nodes by 4 × 4 matrices, their derivatives by autom
 nodes and a dense system with multipliers: no recursion, no moment tensors, no elimination (data/README.md).
 """
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -62,3 +64,29 @@ def test_energies(model, name):
     found = model.energies(flexlegs.states(name))
     assert relative(found.kinetic, a["kinetic_energy"]) <= AGREED
     assert relative(found.gravity + found.strain + found.springs, a["potential_energy"]) <= AGREED
+
+
+def test_reactions_along_the_joints_are_those_of_motors_and_springs(name):
+    """Along the axis of a joint its link receives the motor's force less spring and rotor, and nothing else;
+    the reactions come by the backward recursion, the accelerations by the contact system."""
+    a, model = flexlegs.arrays(name), pf.Model(flexlegs.robot(name), "numpy")
+    state, forces = flexlegs.states(name), a["forces"]
+    found, moved = model.reactions(state, forces), model.direct(state, forces)
+    q, driven = model.joints(state).q, 0
+    for leg, force, moment, q_i, qdd in zip(
+        model.robot.legs, found.force, found.moment, q, moved.leg_joints, strict=True
+    ):
+        scale = np.max(np.abs(force))
+        for j, joint in enumerate(leg.joints):
+            motor = forces[:, driven] if joint.mu else 0.0
+            driven += joint.mu
+            expected = motor - joint.k * (q_i[:, j] - joint.q_0) - joint.IA * qdd[:, j]
+            axial = (force if joint.sigma else moment)[:, j, 2]
+            assert np.max(np.abs(axial - expected)) <= 1e-9 * scale
+
+
+def test_elastic_coordinates_of_another_number_are_refused():
+    model = pf.Model(flexlegs.robot(NAMES[0]), "numpy")
+    bad = replace(model.robot.home, leg_elastic=(np.zeros(3),) * 6)
+    with pytest.raises(pf.InputError, match="this leg has 7 elastic coordinates"):
+        model.direct(bad, np.zeros(6))

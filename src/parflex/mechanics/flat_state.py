@@ -83,18 +83,20 @@ def started(robot: Robot, state: State) -> State:
 
 
 def check_joints(robot: Robot, state: State) -> None:
-    """Raise InputError where the joints that a state names are not those of the legs."""
-    if state.joints is None and state.joint_rates is None:
-        return
-    counts = [len(leg.joints) for leg in robot.legs]
-    for name in ("joints", "joint_rates"):
+    """Raise InputError where the joints and elastic coordinates that a state names are not the legs'."""
+    for name, counts, what in (
+        ("joints", [len(leg.joints) for leg in robot.legs], "joints"),
+        ("joint_rates", [len(leg.joints) for leg in robot.legs], "joints"),
+        ("leg_elastic", [sum(leg.modes) for leg in robot.legs], "elastic coordinates"),
+        ("leg_elastic_rate", [sum(leg.modes) for leg in robot.legs], "elastic coordinates"),
+    ):
         values = getattr(state, name)
         if values is not None and len(values) != len(counts):
             raise InputError(f"State.{name} has {len(values)} entries; this robot has {len(counts)} legs")
         for number, (value, count) in enumerate(zip(values or (), counts, strict=False)):
             if value is not None and value.shape[-1] != count:
                 raise InputError(
-                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} joints, so the "
+                    f"State.{name}[{number}] has shape {value.shape}; this leg has {count} {what}, so the "
                     f"last axis must be {count} long"
                 )
 
