@@ -8,7 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, transpose
 from parflex.base.unroll import factored, factored_solve, solve_definite
-from parflex.mechanics.leg_terms import LegTerms, accelerated, selection
+from parflex.mechanics.leg_terms import LegTerms, leg_response, selection
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
@@ -110,7 +110,7 @@ def leg_contacts(leg: LegTerms) -> LegContacts:
     def solved(group: LegGroup, A: Array, J: Array, c: Array, Jdqd: Array) -> LegContacts:
         A, J = A.reshape(A.shape[:-1] + (n, n)), J.reshape(J.shape[:-1] + (contacts, n))
         columns = np.concatenate([transpose(J), np.broadcast_to(S, A.shape[:-2] + S.shape), c[..., None]], -1)
-        found = J @ accelerated(group, A, columns)
+        found = J @ leg_response(group, A, columns)
         return LegContacts(found[..., :contacts], found[..., contacts:-1], Jdqd - found[..., -1])
 
     found: LegContacts = each_leg(leg.group, solved, [merged(leg.A), merged(leg.J), leg.c, leg.Jdqd])

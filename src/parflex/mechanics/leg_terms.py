@@ -173,7 +173,7 @@ def flexed(
     return np.sum(mtv(J_r, moment), axis=-2), theta, omega, moment, openness(R_ip @ C, R_leg, group.flexures)
 
 
-def accelerated(group: LegGroup, A: Array, pulls: Array) -> Array:
+def leg_response(group: LegGroup, A: Array, pulls: Array) -> Array:
     """A⁻¹ times columns (…, L, z, c): accelerations of the legs under generalised forces.
 
     Elastic coordinates are eliminated first: among themselves they are nearly orthonormal.

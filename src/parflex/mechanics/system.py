@@ -20,7 +20,7 @@ from parflex.base.unroll import solve_least_norm
 from parflex.mechanics import kinematics, recursion
 from parflex.mechanics.flexures import Sections, sections
 from parflex.mechanics.kinematics import PointMotion
-from parflex.mechanics.leg_terms import LegTerms, accelerated, joint_position, leg_terms, selection
+from parflex.mechanics.leg_terms import LegTerms, joint_position, leg_response, leg_terms, selection
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.platform import PlatformTerms, platform_terms
 from parflex.robot.layout import Coordinates, coordinates
@@ -157,7 +157,7 @@ def leg_accelerations(system: System, forces: Array, f: Array) -> list[Array]:
     found = []
     for leg, pull in zip(system.legs, leg_pulls(system, f), strict=True):
         driving = mv(selection(leg.group), forces[..., leg.group.forces]) - pull - leg.c
-        found.append(accelerated(leg.group, leg.A, driving[..., None])[..., 0])  # Eq. 7
+        found.append(leg_response(leg.group, leg.A, driving[..., None])[..., 0])  # Eq. 7
     return found
 
 
@@ -201,7 +201,7 @@ def carried_pull(system: System, f: Array) -> Array:
     """A⁻¹ Jᵀ f (…, n): the accelerations that contact forces (…, 3k) give to the coordinates that the state
     carries."""
     pulls = zip(system.legs, leg_pulls(system, f), strict=True)
-    moved = [accelerated(leg.group, leg.A, pull[..., None])[..., 0] for leg, pull in pulls]
+    moved = [leg_response(leg.group, leg.A, pull[..., None])[..., 0] for leg, pull in pulls]
     return in_carried_order(system, moved)
 
 
