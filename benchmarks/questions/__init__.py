@@ -6,6 +6,7 @@ from benchmarks.questions import (
     cold_start,
     derivatives,
     designs,
+    flexible_legs,
     legs,
     models,
     precision,
@@ -17,6 +18,7 @@ from benchmarks.questions import (
 ALL = {
     "agreement": agreement.ask,
     "models": models.ask,
+    "flexible-legs": flexible_legs.ask,
     "batch": batch.ask,
     "designs": designs.ask,
     "derivatives": derivatives.ask,
