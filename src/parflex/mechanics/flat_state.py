@@ -34,7 +34,7 @@ def flat_state(mechanism: Mechanism, state: State) -> Array:
     layout = mechanism.layout
     of_type("state", state, State)
     check_joints(mechanism.robot, state)
-    if layout.carried:
+    if any(layout.joints):
         x = pack(started(mechanism.robot, state), layout)
         x = with_rates(mechanism, closed(mechanism, x, JOINTS)[0], JOINTS)
     else:
