@@ -53,7 +53,7 @@ class Compiled:
         x = self._core.flat(state)
         if x.ndim != 1:
             raise InputError(f"state is a batch {x.shape[:-1]}; compiled models take one at a time")
-        if self._core.mechanism.layout.carried:
+        if any(self._core.mechanism.layout.joints):
             self._core.system(state)
         return x
 
