@@ -159,10 +159,28 @@ def test_as_many_shapes_as_its_nodes_carry_are_normal():
 
 
 def test_without_shapes_it_is_rigid():
-    body = pf.beam(END, **TUBE, bending=0)
-    assert body.modes == 0
-    leg = pf.Leg(np.eye(3), np.zeros(3), (pf.Joint(0, 0, body=body),), (pf.Tip(1, END),))
+    joint = pf.Joint(0, 0, body=pf.beam(END, **TUBE, bending=0))
+    assert joint.body.modes == 0
+    assert joint.mass == pytest.approx(7850 * AREA * LENGTH)
+    leg = pf.Leg(np.eye(3), np.zeros(3), (joint,), (pf.Tip(1, END),))
     assert leg.seats.tips == (0,)
+
+
+SLIPS = {
+    "a thickness in mm": (
+        dict(outer=32),
+        r'outer is 32 m, of a beam .* 0.7071 m long; .* give 0.032 m, .* "32 mm"',
+    ),
+    "a modulus in GPa": (dict(young=205), 'young is 205 Pa, less than any .*; did you mean "205 GPa"?'),
+}
+
+
+@pytest.mark.parametrize("name", SLIPS)
+def test_what_is_hardly_meant_is_doubted_once(name):
+    given, words = SLIPS[name]
+    with pytest.warns(pf.ImplausibleValue, match=words) as caught:
+        pf.beam(**{"end": END} | TUBE | given)
+    assert len(caught) == 1
 
 
 MISUSE = {

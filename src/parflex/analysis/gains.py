@@ -31,7 +31,7 @@ def check_gain(mechanism: Mechanism, output: Output, x: Array, flexible: Array, 
     """
     flexible, rigid = gains = gain_matrix(mechanism, output, np.stack([flexible, rigid]))
     robot = mechanism.robot
-    mass = robot.platform.moments.m + sum(joint.M for leg in robot.legs for joint in leg.joints)
+    mass = robot.platform.moments.m + sum(joint.mass for leg in robot.legs for joint in leg.joints)
     sizes = np.sqrt(np.sum(gains * gains, axis=(-2, -1)))
     idle = mass * sizes[1] < SINGULAR
     if output.size == mechanism.n_forces and not np.any(idle):

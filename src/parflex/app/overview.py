@@ -29,7 +29,7 @@ def leg_rows(file: "RobotFile") -> Rows:
     rows: Rows = []
     for number, (leg, chain) in enumerate(zip(file.robot.legs, file.table.chains, strict=True)):
         held = ", ".join(str(tip.attachment) for tip in leg.tips)
-        mass = sum(joint.M for joint in leg.joints)
+        mass = sum(joint.mass for joint in leg.joints)
         rows.append(
             (str(number + 1), chain, leg.word, kinds[number], listed(leg.origin), held, f"{mass:.4g}")
         )

@@ -12,6 +12,7 @@ from parflex.base.array import Array, skew, transpose, without_roundoff
 from parflex.base.check import NOT_NEGATIVE, POSITIVE
 from parflex.base.errors import InputError
 from parflex.base.held import Given
+from parflex.base.plausible import doubt
 from parflex.robot.beam_shapes import POINTS, WEIGHTS, Family, clamped, held, orthonormal, sampled
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import check_fields, count, flag, given, ratios
@@ -56,6 +57,11 @@ class Beam:
             raise InputError(f"Beam.inner is {self.inner}; it must be less than outer, which is {self.outer}")
         if self.length == 0:
             raise InputError(f"Beam.end is {self.end.tolist()}, where the beam begins; give its other end")
+        if self.outer > self.length:
+            doubt(
+                f"outer is {self.outer:.4g} m, of a beam that is {self.length:.4g} m long; if it is in mm, "
+                f'give {self.outer / 1000:.4g} m, in files "{self.outer:.4g} mm"'
+            )
         _ = self.material  # raises
         given, modes = self.damping_ratio.size, self.modes
         if self.damping_ratio.ndim and given != modes:

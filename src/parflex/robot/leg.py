@@ -110,6 +110,11 @@ class Joint:
 
     __repr__ = told
 
+    @property
+    def mass(self) -> float:
+        """The mass of its link, kg."""
+        return self.M if self.body is None else self.body.moments.m
+
 
 @dataclass(frozen=True, eq=False)
 class Tip:
@@ -236,13 +241,14 @@ def check_link(joint: Joint) -> None:
     at_origin = body.origin_node
     if at_origin is None or not body.modes:
         return
-    largest = float(np.max(np.abs(body.shapes)))
-    moved = float(np.max(np.abs(body.shapes[:, at_origin])))
-    if moved > 1e-6 * largest:
-        raise InputError(
-            f"Joint.body: its shapes move the origin of the joint's frame, by {moved / largest:.1e} of the "
-            f"largest displacement; a link is clamped there: give shapes that vanish, with their rotations"
-        )
+    for shapes, moves in ((body.shapes, "move"), (body.rotation_shapes, "turn")):
+        largest = 0.0 if shapes is None else float(np.max(np.abs(shapes)))
+        moved = 0.0 if shapes is None else float(np.max(np.abs(shapes[:, at_origin])))
+        if moved > 1e-6 * largest:
+            raise InputError(
+                f"Joint.body: its shapes {moves} the origin of the joint's frame, by {moved / largest:.1e} "
+                f"of the largest; a link is clamped there: give shapes that vanish, with their rotations"
+            )
 
 
 def check_turns(bodies: Sequence[FlexibleBody | None], joints: Sequence[Joint], tips: Sequence[Tip]) -> None:

@@ -38,7 +38,8 @@ class Robot:
     gravity (3,) m/s² in Σ0; home is the (position, rotation) of Σp at which `robot.home` stands.
     Forces Γ are ordered by leg, and by joint within a leg.
 
-    Raises InputError where tips and attachments do not match.
+    Raises InputError where tips and attachments do not match, or a tip with a flexure is on a platform that
+    bends without rotation shapes.
     """
 
     legs: Held[Sequence[Leg], tuple[Leg, ...]] = held(partial(all_of_type, kind=Leg))
@@ -65,6 +66,7 @@ class Robot:
                         f"{tip.attachment}; list the node twice among the body's attachments"
                     )
                 held[tip.attachment] = number
+        check_sections(self)
 
     def __repr__(self) -> str:
         chains = Counter(leg.word for leg in self.legs)
@@ -94,3 +96,17 @@ class Robot:
     def n_forces(self) -> int:
         """m, the number of actuated joints."""
         return sum(joint.mu for leg in self.legs for joint in leg.joints)
+
+
+def check_sections(robot: Robot) -> None:
+    """Raise InputError where a flexure holds a platform that does not tell how its sections turn."""
+    body = robot.platform
+    if not body.modes or body.rotation_shapes is not None:
+        return
+    for i, leg in enumerate(robot.legs):
+        for t, tip in enumerate(leg.tips):
+            if tip.flexure is not None:
+                raise InputError(
+                    f"legs[{i}].tips[{t}] has a flexure, but the platform has no rotation shapes, which tell "
+                    f"how it turns there; give rotation_shapes to the body"
+                )

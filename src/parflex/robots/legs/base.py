@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -9,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.base.plausible import derived
 from parflex.robot.bar import Bar, beam_of
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robots.links import Link, link
@@ -37,9 +39,7 @@ class LegKind(ABC):
         posture: ArrayLike | None = None,
     ) -> Leg:
         """The leg of this kind on a base frame, with the platform's attachment that each tip holds."""
-        tips = tuple(
-            Tip(tip.frame, tip.offset, held) for tip, held in zip(self.tips, attachments, strict=True)
-        )
+        tips = tuple(replace(tip, attachment=held) for tip, held in zip(self.tips, attachments, strict=True))
         return Leg(rotation, origin, self.joints, tips, posture)
 
 
@@ -47,7 +47,8 @@ def bar_link(bar: Bar, along: Sequence[float]) -> Link:
     """The link that a bar is, from the origin of the link's frame along a unit vector (3,): M, MS and I, or
     the body of one that bends."""
     if bar.flexible:
-        return {"body": beam_of(bar, along).body}
+        with derived():
+            return {"body": beam_of(bar, along).body}
     e = np.asarray(along, dtype=float)
     axial, across = bar.inertia_at_com
     ee = np.outer(e, e)

@@ -272,6 +272,43 @@ def test_complaints_name_line_field_and_value(name, tmp_path):
     assert "\n" not in told
 
 
+def test_a_modulus_without_its_unit_is_doubted_at_its_line(tmp_path):
+    with pytest.warns(pf.ImplausibleValue) as caught:
+        loaded(tmp_path, GOOD.replace('"205 GPa"', "205", 1))
+    [told] = caught
+    assert str(told.message).startswith(
+        "robot.toml:10: chain.strut.joints[1].beam.young is 205 Pa, less than"
+    )
+
+
+SPOILT = {"shapes": ("shapes move", 0), "turns": ("shapes turn", 1)}
+
+
+@pytest.mark.parametrize("name", SPOILT)
+def test_a_body_that_is_not_clamped_is_refused(name, tmp_path):
+    """It moves or turns at the joint's frame."""
+    words, which = SPOILT[name]
+    body = clamped()
+    arrays = [body.shapes.copy(), body.rotation_shapes.copy()]
+    arrays[which][1, 0, 2] = 0.01
+    save_body(replace(body, shapes=arrays[0], rotation_shapes=arrays[1]), tmp_path / "loose.nc")
+    with pytest.raises(pf.InputError, match=rf"robot.toml:11: .*body: its {words} the origin of the joint's"):
+        loaded(tmp_path, GOOD.replace(RODS, BODY.format("loose"), 1))
+
+
+def test_a_flexure_on_a_platform_that_does_not_say_how_it_turns(tmp_path):
+    """Of nodes by hand, all held, without rotation shapes."""
+    shapes = np.zeros((1, 6, 3))
+    shapes[0, :, 2] = np.array([1, -1, 1, -1, 1, -1]) / np.sqrt(6)
+    save_body(
+        pf.FlexibleBody.from_nodes(HEADS, np.ones(6), shapes, [60.0], 0, range(6)), tmp_path / "plate.nc"
+    )
+    with pytest.raises(
+        pf.InputError, match=r"robot.toml:\d+: .*tips\[0\] has a flexure, but the platform has no"
+    ):
+        loaded(tmp_path, HEAD + LEGS + '[platform]\nkind = "modal"\nfile = "plate.nc"\n')
+
+
 def test_a_joint_on_a_body_that_does_not_say_how_it_turns(tmp_path):
     """The same node by node as a cylinder: it carries a joint."""
     body = clamped(rotation_shapes=False)
@@ -325,6 +362,9 @@ poisson = 0.3, damping_ratio = 0.3 }
             assert a.r == pytest.approx(b.r)
             if b.body is not None:
                 assert relative(a.body.stiffness / b.body.stiffness, np.ones(b.body.modes)) < 1e-12
+    with pytest.warns(pf.ImplausibleValue, match="robot.toml:9: .*cylinder.young is 70 Pa, less") as caught:
+        loaded(tmp_path, text.replace('"70 GPa"', "70"))
+    assert len(caught) == 1
     with pytest.raises(pf.InputError, match=r"toml:9: hexapod.strut.cylinder.* young is missing; a bar"):
         loaded(tmp_path, text.replace('young = "70 GPa", ', ""))
     with pytest.raises(
