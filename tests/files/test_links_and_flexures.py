@@ -12,6 +12,7 @@ import parflex as pf
 from bits import bits
 from measures import relative
 from oracle import tree
+from parflex.app.overview import bending_links
 from parflex.fe.modal_file import save_body
 
 HEAD = """\
@@ -338,6 +339,13 @@ def test_a_rest_that_is_half_a_turn_away_is_refused(tmp_path):
         pf.InputError, match=r"robot.toml:13: .*rest is 178.0 deg from how the tip is turned at"
     ):
         loaded(tmp_path, resting(178))
+
+
+def test_what_bends_is_told():
+    """Two links of each of six legs; three shapes in two planes of cylinders, five modes of rods."""
+    [told] = bending_links(hexapod())
+    assert told.startswith("links that bend: 12, 66 modes, ")
+    assert bending_links(pf.robots.rps3(0)) == []
 
 
 def test_bars_of_a_hexapod_bend(tmp_path):

@@ -8,7 +8,8 @@ from parflex.base.spatial import vector_from_rotation
 from parflex.mechanics.mechanism import mechanism_of
 from parflex.robot.joint_words import joint_value
 from parflex.robot.modal import free_vibration
-from parflex.robot.words import frequencies, listed
+from parflex.robot.robot import Robot
+from parflex.robot.words import frequencies, listed, modal
 
 if TYPE_CHECKING:
     from parflex.files.robot_file import RobotFile
@@ -68,7 +69,17 @@ def facts(file: "RobotFile") -> list[str]:
         f"modes: {frequencies(*free_vibration(body.moments, body.stiffness, body.damping))}",
         f"home: {listed(position)} m, turned by {listed(turned)} deg; gravity {listed(robot.gravity)} m/s²",
         f"motors: {robot.n_forces}",
+        *bending_links(robot),
     ]
+
+
+def bending_links(robot: Robot) -> list[str]:
+    """A line on the links that bend, where there are any."""
+    bodies = [joint.body for leg in robot.legs for joint in leg.joints if joint.body is not None]
+    if not bodies:
+        return []
+    omega = np.concatenate([body.frequencies for body in bodies])
+    return [f"links that bend: {len(bodies)}, {modal(omega)}, clamped at their joints"]
 
 
 def controls(model: "Model") -> "list[tuple[Choice, Verdict | None]]":
