@@ -24,15 +24,36 @@ LONGEST = 2.0  # s of this process, for what is refused or read: told by the who
 
 @pytest.fixture(scope="module")
 def texts(tmp_path_factory) -> dict[str, str]:
-    """A robot with a platform of one mode, a rigid one as the library writes it, and a trajectory."""
+    """A robot with a platform of one mode, a rigid one and one with legs that bend, as the library writes
+    them, and a trajectory."""
     folder = tmp_path_factory.mktemp("hostile")
     robot, trajectory = write_templates(folder / "robot.toml")
     rigid = pf.robots.gough_stewart(platform=ring()).to_file(folder / "rigid.toml")
     return {
         "plate": re.sub(r"(?m)^modes = .*$", "modes = 1", robot.read_text()),
         "rigid": rigid.read_text(),
+        "bending": bending().to_file(folder / "bending.toml").read_text().replace(TIP, TIP + FLEXURE),
         "trajectory": trajectory.read_text(),
     }
+
+
+TIP = "offset = [0.0, 0.0, 0.5]\n"
+FLEXURE = """[chain.rrp-1.tips.flexure]
+bending = 5.0
+torsion = "260 N m/rad"
+damping = 0.1
+"""
+
+
+def bending() -> pf.Robot:
+    """A hexapod whose cylinders and rods bend."""
+    steel = {"density": 7850.0, "young": 2e11, "poisson": 0.3}
+    bars = (
+        pf.Bar(outer=0.04, length=0.5, **steel, static=True),
+        pf.Bar(outer=0.02, length=0.5, **steel, torsion=1),
+    )
+    sizes = dict(base_radius=0.5, platform_radius=0.3, height=0.7, base_spread=0.3, platform_spread=0.3)
+    return pf.robots.hexapod(**sizes, strut=pf.Strut(*bars))
 
 
 def ring() -> pf.FlexibleBody:
@@ -57,7 +78,7 @@ def outcome(read, path: Path) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("kind", ["plate", "rigid", "trajectory"])
+@pytest.mark.parametrize("kind", ["plate", "rigid", "bending", "trajectory"])
 def test_hostile_files_are_read_or_refused(texts, kind, tmp_path):
     """Numbers to 1e400, other values, lost lines and bytes; no other error, no wait, no word too many."""
     rng = np.random.default_rng(11)
