@@ -14,6 +14,7 @@ from measures import relative
 from oracle import tree
 from parflex.app.overview import bending_links
 from parflex.fe.modal_file import save_body
+from parflex.robot.beam_section import with_numbers
 
 HEAD = """\
 format = "parflex-robot-1"
@@ -106,17 +107,17 @@ def with_flexures(robot):
     return replace(robot, legs=legs)
 
 
+ROD = pf.beam((0, 0, 0.2), 0.01, young=2e11, poisson=0.3, density=7e3)
 ROBOTS = {
     "beams": hexapod,
     "bodies by nodes": lambda: with_links(hexapod(), lambda i: clamped()),
     "without rotation shapes": lambda: with_links(hexapod(), lambda i: clamped(rotation_shapes=False)),
-    "a beam with fewer modes": lambda: with_links(
-        hexapod(),
-        lambda i: pf.beam((0, 0, 0.2), 0.01, young=2e11, poisson=0.3, density=7e3).with_modes([i % 2]),
-    ),
+    "a beam with fewer modes": lambda: with_links(hexapod(), lambda i: ROD.with_modes([i % 2])),
+    "a beam of another section": lambda: with_links(hexapod(), lambda i: with_numbers(ROD, {"outer": 0.012})),
     "flexures": lambda: with_flexures(hexapod()),
 }
 FILES = {"bodies by nodes": 1, "without rotation shapes": 1, "a beam with fewer modes": 2}
+FILES |= {"a beam of another section": 1}
 
 
 @pytest.mark.parametrize("name", ROBOTS)

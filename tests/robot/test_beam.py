@@ -166,6 +166,15 @@ def test_without_shapes_it_is_rigid():
     assert leg.seats.tips == (0,)
 
 
+def test_with_fewer_modes_or_a_payload_it_is_no_beam():
+    """Its numbers are then no longer those that its dimensions give: parameters must not take it for one."""
+    assert type(MANY.with_modes([0, 2])) is pf.FlexibleBody
+    heavier = MANY.with_payload(32, 0.5)
+    assert type(heavier) is pf.FlexibleBody
+    assert heavier.moments.m == MANY.moments.m + 0.5
+    assert np.array_equal(heavier.foreshortening, MANY.foreshortening)
+
+
 SLIPS = {
     "a thickness in mm": (
         dict(outer=32),

@@ -22,7 +22,7 @@ def leaves(robot: pf.Robot) -> dict[str, np.ndarray]:
 def each_leaf(name: str, value: Any) -> Iterator[tuple[str, np.ndarray]]:
     if is_dataclass(value):
         for field in fields(value):
-            if field.name != "beam":  # which made the body whose numbers are compared
+            if field.name not in ("beam", "basis"):  # which made the body whose numbers are compared
                 yield from each_leaf(f"{name}.{field.name}", getattr(value, field.name))
     elif isinstance(value, tuple):
         yield f"{name} entries", np.array(float(len(value)))

@@ -1,6 +1,8 @@
 """Beams: round tubes and bars that bend, stretch and twist, clamped at a joint, by closed shapes."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from dataclasses import fields as parts
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -139,6 +141,17 @@ class BeamBody(FlexibleBody):
 
     beam: Beam | None = None
     basis: Beam | None = None
+
+    def with_payload(self, node: int, mass: float) -> FlexibleBody:
+        return self.plain.with_payload(node, mass)
+
+    def with_modes(self, modes: Sequence[int]) -> FlexibleBody:
+        return self.plain.with_modes(modes)
+
+    @property
+    def plain(self) -> FlexibleBody:
+        """The same body as one that is no beam, of which a mode or a mass may differ."""
+        return FlexibleBody(**{each.name: getattr(self, each.name) for each in parts(FlexibleBody)})
 
 
 def beam(
