@@ -48,7 +48,7 @@ def at_home(table: FlexureTable, leg: Leg, tip: Tip, q: Array, platform: Array) 
     turn = platform.T @ np.asarray(leg.rotation) @ link_turn(leg.joints, tip.frame, q)
     axis = turn @ strut_direction(leg.joints, tip) if needs_direction(table) else None
     flexure = flexure_of(table, axis)
-    if flexure.rest is not None:
+    if flexure.rest is not None and np.any(flexure.stiffness):
         angle = np.degrees(np.linalg.norm(vector_from_rotation(turn @ np.asarray(flexure.rest).T)))
         if angle > FARTHEST:
             raise InputError(

@@ -51,11 +51,13 @@ def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None
 
 
 def tip_of(reader: Reader, where: Where, joints: tuple[Joint, ...], row: TipTable) -> Tip | None:
-    """A tip of a chain with its flexure; None where there are complaints."""
-    flexure = None if row.flexure is None else reader.attempt((*where, "flexure"), flexure_of, row.flexure)
-    found = reader.attempt(where, tip, joints, row, flexure)
-    if found is not None and row.flexure is not None and needs_direction(row.flexure):
-        reader.attempt((*where, "flexure"), strut_direction, joints, found)
+    """A tip of a chain, its flexure one that does nothing until the robot stands at home (`at_home`); None
+    where there are complaints."""
+    found = reader.attempt(where, tip, joints, row)
+    if found is not None and row.flexure is not None:
+        reader.attempt((*where, "flexure"), flexure_of, row.flexure)
+        if needs_direction(row.flexure):
+            reader.attempt((*where, "flexure"), strut_direction, joints, found)
     return found
 
 
@@ -76,9 +78,9 @@ def grown(joints: tuple[Joint, ...], row: JointTable, link: dict[str, Any]) -> t
     return more
 
 
-def tip(joints: tuple[Joint, ...], row: TipTable, flexure: Flexure | None) -> Tip:
+def tip(joints: tuple[Joint, ...], row: TipTable) -> Tip:
     """A tip on one of the links, checked as a leg's."""
-    found = Tip(row.frame, row.offset, flexure=flexure)
+    found = Tip(row.frame, row.offset, flexure=None if row.flexure is None else Flexure())
     Leg(np.eye(3), np.zeros(3), joints, (found,))
     return found
 
