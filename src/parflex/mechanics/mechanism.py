@@ -10,7 +10,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.mechanics.chain import chain_of, joined
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
-from parflex.mechanics.legs.base import settled
+from parflex.mechanics.legs.base import regular, settled
 from parflex.mechanics.platform import Platform, platform_of
 from parflex.robot.layout import Layout, spans
 from parflex.robot.leg import Leg
@@ -202,10 +202,11 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
         branched=none,
         carried=none,
     )
+    anywhere = np.random.default_rng(0).uniform(-1, 1, (1, n))
     for known in leg_types:
-        if not known.recognises(leg):
-            continue
         group = bare._replace(type=known)
+        if not known.recognises(leg) or not regular(group, anywhere if leg.posture is None else bare.posture):
+            continue
         if known.carries:
             return group._replace(carried=np.arange(n)[None])
         if leg.posture is None:
