@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import chains
 import parflex as pf
 from parflex.compiled import ALL_BACKENDS
 
@@ -44,3 +45,10 @@ def test_free(backend):
     assert model.reactions(home, []) == ((), ())
     with pytest.raises(pf.NotConverged, match="no actuator forces hold the platform"):
         model.equilibrium(*model.robot.home_pose)
+
+
+def test_a_bend_that_the_legs_do_not_allow():
+    """The platform would sag farther than the legs let it: nothing near home is at rest, nor said to be."""
+    sample = chains.sample(chains.Kind("PPR", "crossed", (1, 3)), 2, 1)
+    with pytest.raises(pf.InputError, match="too soft for its weight"):
+        pf.Model(sample.robot, "numpy").equilibrium(*sample.robot.home_pose)

@@ -12,6 +12,7 @@ from parflex.base.check import of_type
 from parflex.base.errors import InputError, NotConverged
 from parflex.compiled.functions import Functions
 from parflex.mechanics import system as assembly
+from parflex.mechanics.closure import closure_matrix
 from parflex.mechanics.flat_state import projected, state_of
 from parflex.mechanics.leg_terms import selection
 from parflex.mechanics.mechanism import Mechanism
@@ -19,6 +20,10 @@ from parflex.mechanics.system import System, examined
 from parflex.robot.state import State
 
 SETTLED = 1e-13  # of the first bend: a change that is round-off
+TOO_SOFT = (
+    "no equilibrium was found near the undeformed platform; it is too soft for its "
+    "weight at this pose: raise its frequencies or move the pose"
+)
 
 
 def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[Array, Array]:
@@ -43,7 +48,18 @@ def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[
         return load / mechanism.platform.stiffness, forces
 
     q_e = fixed_point(lambda q: bend(q)[0], modes) if modes else np.zeros(0)
-    return place(q_e), bend(q_e)[1]
+    found = place(q_e)
+    kept = found[mechanism.layout.at.elastic]
+    apart = np.max(np.abs(kept - q_e), initial=0.0) > 1e-6 * np.max(np.abs(q_e), initial=0.0)
+    if apart and bends(mechanism, found):
+        raise NotConverged(TOO_SOFT)
+    return found, bend(q_e)[1]
+
+
+def bends(mechanism: Mechanism, flat: Array) -> bool:
+    """True where the legs let the platform bend further; where not, they keep its bend against any load."""
+    motions = null_space(closure_matrix(assembly.assembled(mechanism, flat)))
+    return bool(np.any(np.abs(motions[mechanism.layout.displacements.elastic]) > 1e-6))
 
 
 def fixed_point(bend: Callable[[Array], Array], modes: int) -> Array:
@@ -65,10 +81,7 @@ def fixed_point(bend: Callable[[Array], Array], modes: int) -> Array:
     except (NoConvergence, ValueError, np.linalg.LinAlgError, NotConverged):
         found: Array = root(excess, none, options={"xtol": 1e-14}).x
     if not np.all(np.abs(excess(found)) <= 1e-9 * np.max(np.abs(found), initial=1e-12)):
-        raise NotConverged(
-            "no equilibrium was found near the undeformed platform; it is too soft for its "
-            "weight at this pose: raise its frequencies or move the pose"
-        )
+        raise NotConverged(TOO_SOFT)
     return found
 
 

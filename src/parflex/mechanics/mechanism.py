@@ -11,7 +11,7 @@ from parflex.base.array import Array
 from parflex.mechanics.chain import chain_of, joined
 from parflex.mechanics.flexures import Flexures, flexures_of
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
-from parflex.mechanics.legs.base import settled
+from parflex.mechanics.legs.base import regular, settled
 from parflex.mechanics.platform import Platform, platform_of
 from parflex.robot.layout import Layout, spans
 from parflex.robot.leg import Leg
@@ -251,11 +251,12 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
         carried=none,
         flexures=flexures_of(leg),
     )
+    anywhere = np.random.default_rng(0).uniform(-1, 1, (1, n))
     for known in leg_types:
-        if not known.recognises(leg):
-            continue
         kept = range(0 if known.carries else n, leg.size)
         group = bare._replace(type=known, kept=tuple(kept), carried=np.arange(len(kept))[None])
+        if not known.recognises(leg) or not regular(group, anywhere if leg.posture is None else bare.posture):
+            continue
         if known.carries:
             return group
         if leg.posture is None:

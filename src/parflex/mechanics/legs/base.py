@@ -10,6 +10,8 @@ from parflex.mechanics.chain import Chain, Frames, Joints, Point, frames, seat_o
 from parflex.mechanics.flexures import Flexures
 from parflex.robot.leg import Leg
 
+REGULAR = 1e-5  # of the margin of regularity: round-off of 1e-16 leaves 1e-8 and more under a square root
+
 
 class LegGroup(NamedTuple):
     """L legs of one type and equal structure, their tables side by side."""
@@ -111,6 +113,14 @@ def tips_at(group: LegGroup, joints: Joints) -> Array:
     """Tip positions (…, L, t, 3) in Σ0i."""
     frame = frames(group.chain, joints)
     return stack([tip_position(frame, point) for point in group.points(joints.bend)], axis=-2)
+
+
+def regular(group: LegGroup, q: Array) -> bool:
+    """True where the inverse geometry is not singular at joints q (L, n)."""
+    at = joints_at(group.chain, q)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        regularity = group.type.margins(group, at, tips_at(group, at))[1]
+    return bool(np.all(np.abs(regularity) > REGULAR))
 
 
 def settled(group: LegGroup) -> LegGroup | None:

@@ -14,7 +14,7 @@ from parflex.mechanics.legs.base import LegGroup, LegType
 from parflex.mechanics.legs.universal import in_outward_axes, turned, universal
 from parflex.mechanics.legs.ups import QUARTER, in_first_frame
 from parflex.mechanics.recursion import E_Z
-from parflex.robot.leg import Joint, Leg, deviations, placed
+from parflex.robot.leg import Leg, deviations
 
 
 class Rod(NamedTuple):
@@ -43,9 +43,9 @@ class Rods(LegType):
     def recognises(self, leg: Leg) -> bool:
         """Knuckles on link 1, each a hinge or a universal joint with crossing axes, one tip each.
 
-        None of them is on the axis about which link 1 turns, and only link 1 and the rods bend.
+        Only link 1 and the rods bend.
         """
-        used, cranked = [1], True
+        used = [1]
         for tip in leg.tips:
             if tip.frame == 0:
                 return False
@@ -53,7 +53,6 @@ class Rods(LegType):
             offset = np.asarray(tip.offset)
             if last.antecedent == 1:
                 used += [tip.frame]
-                cranked = cranked and off_axis(last, offset[2])
                 continue
             zero = [last.theta, last.r, offset[2]]
             zero += deviations(last, alpha=np.copysign(QUARTER, last.alpha))
@@ -61,12 +60,11 @@ class Rods(LegType):
             if last.antecedent == 0 or knuckle.antecedent != 1 or max(np.abs(zero)) > 1e-12:
                 return False
             used += [last.antecedent, tip.frame]
-            cranked = cranked and off_axis(knuckle, 0.0)
         every = sorted(used) == list(range(1, len(leg.joints) + 1))
         turning = "P" not in leg.pattern[1:]
         long = all(np.hypot(*np.asarray(tip.offset)[:2]) > 0 for tip in leg.tips)
         rigid = not any(leg.modes[k - 1] for tip in leg.tips if (k := leg.antecedents[tip.frame - 1]) > 1)
-        return every and turning and long and rigid and (cranked or leg.pattern[0] == "P")
+        return every and turning and long and rigid
 
     def branch(self, group: LegGroup, joints: Joints, tips: Array) -> Array:
         """The sign of the square root."""
@@ -166,13 +164,6 @@ class Rods(LegType):
         """The vector from elbow to tip, in the axes of the knuckle's first joint at zero."""
         u = turned(in_first_frame(group, tip), c, -s)
         return mtv(rod.R, u - rod.elbow - length[..., None] * E_Z)
-
-
-def off_axis(knuckle: Joint, lift: float) -> bool:
-    """True where the elbow, so far along the knuckle's axis, is not on the axis of the first joint."""
-    point, axis = placed(knuckle)
-    elbow = point + lift * axis
-    return float(np.hypot(elbow[0], elbow[1])) > 1e-9 * float(np.linalg.norm(elbow))
 
 
 def crank(u: Array, rod: Rod) -> tuple[Array, Array, Array]:
