@@ -14,7 +14,7 @@ from parflex.mechanics.output import Output
 def gain_matrix(mechanism: Mechanism, output: Output, gain: Array) -> Array:
     """∂output/∂Γ (…, o, m) of a gain by rows (…, o m), angular rows in metres."""
     matrix = gain.reshape(gain.shape[:-1] + (output.size, mechanism.n_forces))
-    return matrix * output.lengths(mechanism.size)[:, None]
+    return matrix * output.lengths(mechanism)[:, None]
 
 
 def gain_ratio(flexible: Array, rigid: Array) -> Array:

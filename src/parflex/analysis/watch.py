@@ -53,7 +53,7 @@ class Watch:
         none."""
         if self._start is None:
             return ""
-        scale = self._output.lengths(self._mechanism.size)[:, None]
+        scale = self._output.lengths(self._mechanism)[:, None]
         (flexible, rigid), (flexible_0, rigid_0) = scale * self._last, scale * self._start
         now, start, kind = ratio(rigid), ratio(rigid_0), "parallel"
         if now > 0.05 * start:

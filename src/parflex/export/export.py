@@ -16,8 +16,10 @@ from parflex.export.code import Body, body
 from parflex.export.interface import OPTIONAL, Routine, routines
 from parflex.export.text import FILES, MARK, Export, texts
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.output import Output
 from parflex.mechanics.redundancy import solvable
+from parflex.model import inputs
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.robot import Robot
 
@@ -46,9 +48,9 @@ def export_c(
     folder = Path(directory)
     check_prefix(prefix)
     check_folder(folder, force)
-    output = FrameOutput() if output is None else output
-    check_output(robot, output)
-    return write(folder, texts(gathered(solvable(robot), output, prefix)))
+    chosen = inputs.output_of(core_of(Model(robot, "numpy")), output)
+    check_output(robot, chosen)
+    return write(folder, texts(gathered(solvable(robot), chosen, prefix)))
 
 
 def gathered(mechanism: Mechanism, output: Output, prefix: str) -> Export:
@@ -110,8 +112,7 @@ def own(path: Path) -> bool:
 def check_output(robot: Robot, output: Output) -> None:
     """Raise InputError, SingularPose where the inverse model has no answer at home."""
     model = Model(robot, "numpy")
-    size = output.size if isinstance(output, Output) else 0
-    model.inverse(model.project(robot.home), np.zeros(size), output)
+    model.inverse(model.project(robot.home), np.zeros(output.size), output)
 
 
 def write(folder: Path, found: dict[str, str]) -> tuple[Path, ...]:

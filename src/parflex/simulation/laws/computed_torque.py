@@ -21,7 +21,7 @@ from parflex.kernels.segment import SEGMENT, along
 from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.output import FrameOutput, PlatformOutput
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.core import core_of
@@ -37,7 +37,7 @@ from parflex.simulation.trajectory import Trajectory
 GAINS = 12  # kp 6, kd 6
 
 
-def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking(mechanism: Mechanism, output: PlatformOutput, places: tuple[Place, ...]) -> Kernel:
     """The motion under computed torque; the row is (segment, gains 12, preload m).
 
     The law computes its forces without the wrenches; the feedback alone answers them.
@@ -52,7 +52,7 @@ def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) ->
     return motion("tracking", mechanism, SEGMENT + GAINS + mechanism.n_forces, law, places, output)
 
 
-def tracking_jacobian(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking_jacobian(mechanism: Mechanism, output: PlatformOutput, places: tuple[Place, ...]) -> Kernel:
     """The derivative of the motion under computed torque, of as many outputs as actuators."""
     none, unloaded = np.zeros(mechanism.n_forces), np.zeros(6 + mechanism.platform.modes)
 
@@ -65,7 +65,7 @@ def tracking_jacobian(mechanism: Mechanism, output: Output, places: tuple[Place,
     return motion_jacobian(tracking(mechanism, output, places), places, drive)
 
 
-def tracking_target(now: Coordinates, t: Array, row: Array, output: Output) -> Array:
+def tracking_target(now: Coordinates, t: Array, row: Array, output: PlatformOutput) -> Array:
     """The target (…, o) at times (…,): the output's rows of V̇_d + kd (V_d − V) + kp e, resolved in Σp.
 
     The wanted motion is that of `segment.along`, gains are (kp 6, kd 6). The attitude error is the
@@ -83,7 +83,7 @@ def tracking_target(now: Coordinates, t: Array, row: Array, output: Output) -> A
     return (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
 
 
-def target_tangent(x: Coordinates, t: Array, row: Array, output: Output) -> Array:
+def target_tangent(x: Coordinates, t: Array, row: Array, output: PlatformOutput) -> Array:
     """∂ of the target (…, o, 12 + 2 N) by the small motions."""
 
     def target(seeds: Array) -> Array:
