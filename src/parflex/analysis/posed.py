@@ -11,6 +11,8 @@ from parflex.analysis.gains import gain_matrix, gain_ratio
 from parflex.base.array import Array
 from parflex.base.check import index_of
 from parflex.base.errors import InputError
+from parflex.compiled.functions import Functions
+from parflex.kernels import models
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
 
@@ -20,13 +22,31 @@ from parflex.mechanics.output import Output
 LEAST = 0.5
 
 
-def check_posed(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> None:
-    """Raise InputError where legs that bend leave too little of the gains, or turn them round.
+def least_share(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> Array:
+    """The least eigenvalue (…,) of G_f G_r⁺, its real part: what legs that bend leave of the gains.
 
     flexible and stiff (…, o m) are ∂output/∂Γ as it is, and for legs that do not bend.
     """
     G_f, G_r = gain_matrix(mechanism, output, np.stack([flexible, stiff]))
-    least = np.min(np.linalg.eigvals(gain_ratio(G_f, G_r)).real, axis=-1)
+    found: Array = np.min(np.linalg.eigvals(gain_ratio(G_f, G_r)).real, axis=-1)
+    return found
+
+
+def well_posed(functions: Functions, output: Output, x: Array) -> bool:
+    """True where the inverse model means something at a flat state (size,)."""
+    mechanism = functions.mechanism
+    if not any(mechanism.layout.elastic):
+        return True
+    gains = (functions(build, output)(x=x)["flexible"] for build in (models.gains, models.platform_gains))
+    return bool(least_share(mechanism, output, *gains) >= LEAST)
+
+
+def check_posed(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> None:
+    """Raise InputError where legs that bend leave too little of the gains, or turn them round.
+
+    flexible and stiff (…, o m) are as in `least_share`.
+    """
+    least = least_share(mechanism, output, flexible, stiff)
     bad = ~(least >= LEAST)
     if np.any(bad):
         worst = float(np.min(least))

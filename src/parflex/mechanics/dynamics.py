@@ -112,8 +112,8 @@ def gains(system: System, output: Output) -> tuple[Array, Array]:
     return flexible, output.gain(stiff, rigid, F, (Vd, still))
 
 
-def frozen_inverse(system: System, target: Array) -> Array:
-    """Γ (…, m) for a wanted V̇_p (…, 6) of platform and legs frozen in their bend.
+def frozen_inverse(system: System, target: Array) -> tuple[Array, Array]:
+    """Γ (…, m) and contact forces (…, 3k) for a wanted V̇_p (…, 6), platform and legs frozen in their bend.
 
     At rest these are the forces of the equilibrium with that bend. Of more than six actuators they are the
     shortest; fewer give what comes nearest, angular rows in metres.
@@ -122,12 +122,14 @@ def frozen_inverse(system: System, target: Array) -> Array:
     legs, W_p, (A_rr, _, c_r, _) = legs_at_tips(system), system.W_p, system.platform
     fall = solve_definite(A_rr, c_r[..., None])
     rhs = (legs.drift - merged(system.points.h))[..., None] + transpose(W_p) @ fall
-    _, moved = frozen(system, legs.compliance, np.concatenate([rhs, legs.driven], axis=-1))
+    F, moved = frozen(system, legs.compliance, np.concatenate([rhs, legs.driven], axis=-1))
     gain, left = moved[..., 1:], target - moved[..., 0] + fall[..., 0]
     if gain.shape[-1] >= gain.shape[-2]:
-        return solve_least_norm(gain, left)
-    weighted = transpose(gain) * np.repeat([1.0, system.mechanism.size**2], 3)
-    return solve_definite(weighted @ gain, mv(weighted, left)[..., None])[..., 0]
+        forces = solve_least_norm(gain, left)
+    else:
+        weighted = transpose(gain) * np.repeat([1.0, system.mechanism.size**2], 3)
+        forces = solve_definite(weighted @ gain, mv(weighted, left)[..., None])[..., 0]
+    return forces, F[..., 0] + mv(F[..., 1:], forces)
 
 
 def frozen(system: System, compliance: Array, columns: Array) -> tuple[Array, Array]:

@@ -13,7 +13,7 @@ from parflex.base.errors import InputError
 from parflex.mechanics.closure import actuated_rows
 from parflex.mechanics.contact import Contact
 from parflex.mechanics.kinematics import PointMotion, node_wrench_map, point_motion
-from parflex.mechanics.leg_terms import accelerated, selection
+from parflex.mechanics.leg_terms import leg_response, selection
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, actuated, diagonal, leg_accelerations
 from parflex.robot.body import FlexibleBody
@@ -239,7 +239,7 @@ def driven_mobility(system: System) -> Array:
     parts = []
     for leg in system.legs:
         S, z = selection(leg.group), leg.A.shape[:-1]
-        found = accelerated(leg.group, leg.A, np.broadcast_to(S, (*z, S.shape[-1])))
+        found = leg_response(leg.group, leg.A, np.broadcast_to(S, (*z, S.shape[-1])))
         parts.append(block_diagonal(found[..., list(leg.group.actuated), :]))
     order = system.mechanism.force_order
     return diagonal(parts)[..., order, :][..., order]

@@ -7,6 +7,7 @@ import numpy as np
 from parflex.base.array import Array, join, mv
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.system import System, in_carried_order, leg_accelerations, leg_pulls
+from parflex.robot.robot import Robot
 
 
 def stiffened(system: System) -> System:
@@ -40,12 +41,16 @@ def unbalanced(system: System, forces: Array, f: Array) -> Array:
     found = []
     moved = zip(leg_accelerations(stiffened(system), forces, f), leg_pulls(system, f), strict=True)
     for leg, (zdd, pull) in zip(system.legs, moved, strict=True):
-        found.append((mv(leg.A, zdd) + leg.c + pull) * (1.0 - of_joints(leg)) / yielding(leg))
+        rest = mv(leg.A, zdd) + leg.c + pull
+        found.append(rest * (1.0 - of_joints(leg)) / yielding(leg, system.mechanism.robot))
     return in_carried_order(system, found)
 
 
-def yielding(leg: LegTerms) -> Array:
+def yielding(leg: LegTerms, robot: Robot) -> Array:
     """The stiffness (L, z) of the links' shapes; 1 where there is none, and of joints."""
-    chain = leg.group.chain
-    links = [np.where(link.stiffness > 0, link.stiffness, 1.0) for link in chain.links if link is not None]
-    return join([np.ones((len(leg.group.legs), chain.n)), *links])
+    group, parts = leg.group, [np.ones((len(leg.group.legs), leg.group.chain.n))]
+    for j, link in enumerate(group.chain.links):
+        if link is not None:
+            bodies = [robot.legs[number].joints[j].body for number in group.legs]
+            parts.append(link.stiffness + [body.stiffness == 0 for body in bodies if body is not None])
+    return join(parts)

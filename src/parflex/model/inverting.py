@@ -54,10 +54,11 @@ def wanted(
     return Wanted(chosen, state, x, wrenches, theta, given)
 
 
-def inverse(core: Core, asked: Wanted, legs: Any, allow_ill_posed: bool) -> Forces:
+def inverse(core: Core, asked: Wanted, legs: Any, allow_ill_posed: Any) -> Forces:
     """The forces of `Model.inverse`, which calls this and is to be two calls from here to its caller."""
-    if legs not in (MOVING, STATIC):
-        raise InputError(f'legs is {legs!r}; give "{MOVING}", or "{STATIC}" for legs that do not swing')
+    check_legs_word("legs", legs)
+    if not isinstance(allow_ill_posed, bool):
+        raise InputError(f"allow_ill_posed is {type(allow_ill_posed).__name__}; give True or False")
     x, found = static(core, asked) if legs == STATIC else moving(core, asked)
     core.check(x, found["health"])
     health.check_finite(found["gain"])
@@ -67,6 +68,12 @@ def inverse(core: Core, asked: Wanted, legs: Any, allow_ill_posed: bool) -> Forc
     contact = by_attachment(core.mechanism, found["contact"])
     answer = Forces(found["forces"], found["elastic"], found["platform"], contact)
     return answer.with_legs(bend_of(core, x)) if legs == STATIC else answer
+
+
+def check_legs_word(name: str, legs: Any) -> None:
+    """Raise InputError where a word is none for legs."""
+    if not isinstance(legs, str) or legs not in (MOVING, STATIC):
+        raise InputError(f'{name} is {legs!r}; give "{MOVING}", or "{STATIC}" for legs that do not swing')
 
 
 def moving(core: Core, asked: Wanted) -> tuple[Array, Vectors]:
