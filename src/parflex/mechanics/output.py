@@ -23,11 +23,13 @@ from parflex.robot.robot import Robot
 Moved = tuple[Array, Array]  # V̇_p and q̈_e, (…, 6, c) and (…, N, c)
 
 
-def check_rows(name: str, rows: Any, count: int) -> tuple[int, ...]:
-    """The rows as integers; raises InputError where one is none of so many, or named twice."""
+def check_rows(name: str, rows: Any, count: int | None = None) -> tuple[int, ...]:
+    """The rows as integers; raises InputError where one is none of so many (None: any), or named twice."""
     found = tuple(whole_numbers(name, rows).tolist())
-    if not found or len(set(found)) < len(found) or not set(found) <= set(range(count)):
-        raise InputError(f"{name} is {rows}; name some of 0 … {count - 1}, each once")
+    strange = set() if count is None else set(found) - set(range(count))
+    if not found or len(set(found)) < len(found) or strange:
+        last = "" if count is None else f" {count - 1}"
+        raise InputError(f"{name} is {rows}; name some of 0 …{last}, each once")
     return found
 
 
@@ -196,9 +198,7 @@ class JointOutput(Output):
 
     def __post_init__(self) -> None:
         if self.rows is not None:
-            found = tuple(whole_numbers("JointOutput.rows", self.rows).tolist())
-            check_rows("JointOutput.rows", self.rows, max(found, default=0) + 1)
-            object.__setattr__(self, "rows", found)
+            object.__setattr__(self, "rows", check_rows("JointOutput.rows", self.rows))
 
     @property
     def joints(self) -> list[int]:

@@ -170,8 +170,8 @@ class ComputedTorque(Controller):
         if self.legs == MOVING and not well_posed(core.readable, self.output, core.flat(core.robot.home)):
             raise InputError(
                 "ComputedTorque asks for the platform's acceleration at once, but its legs bend between "
-                f'motors and platform: use Servo, or ComputedTorque(…, legs="{STATIC}") with gains far below the '
-                f"legs' frequencies"
+                f'motors and platform: use Servo, or ComputedTorque(…, legs="{STATIC}") with gains low '
+                f"beside their frequencies"
             )
 
     def verdict(self, state: State | None = None) -> Verdict | None:
