@@ -42,7 +42,7 @@ def home_joints(robot: pf.Robot) -> tuple[np.ndarray, ...]:
 
 
 def test_no_moment_and_no_energy_at_home():
-    """Through every door: a model, and a model of other parameters; accelerations are those of the given rest."""
+    """Through every door: a model, and one of other parameters; accelerations are those of the given rest."""
     robot = flexlegs.robot(NAME)
     model = pf.Model(unsaid(robot), "numpy", ["gravity"])
     for each in (model, model.with_parameters({"gravity": [0.0, 0.0, -5.0]})):
