@@ -21,7 +21,7 @@ UNLISTED = {  # public callables that are not in the tables, and why
     r"fe\.(FreeBody|SolidMesh|ComputedModes|Basis|\w*Report)(\.rows)?": "the library makes them",
     r"fe\.FreeBody\.\w+": "the matrices' own unknowns, for bases",
     r"\w+\.(bind|law|planned|wanted_joints|segments|end)": "called by runs, which have checked",
-    r"\w*Output\.(check|check_rows|drift|lengths|linear)": "called by models, which have checked",
+    r"\w*Output\.(check|drift|free|gain|lengths|linear|of|seen)": "called by models, which have checked",
     r"fe\.\w+\.(columns|modes)": "of an abstract basis, or called with a body that has joints",
     r"Trajectory\.(at|rows)": "`sample` without checks",
     r"Controller\.verdict": "says nothing",

@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from parflex.mechanics.ordering import Joints as Joints
     from parflex.mechanics.output import (
         FrameOutput as FrameOutput,
+        JointOutput as JointOutput,
         Output as Output,
         PointOutput as PointOutput,
     )
@@ -85,7 +86,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "mechanics.cartesian": "Cartesian",
     "mechanics.energy": "Energies",
     "mechanics.ordering": "Joints",
-    "mechanics.output": "FrameOutput Output PointOutput",
+    "mechanics.output": "FrameOutput JointOutput Output PointOutput",
     "model.flat": "Compiled",
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import cases
+import flexlegs
 import parflex as pf
 import rewriting
 from measures import relative
@@ -309,3 +310,13 @@ def test_command(parflex, tmp_path):
         assert code == 2, out
         assert message in " ".join(err.split())
     assert not (tmp_path / "there").exists()
+
+
+def test_legs_that_bend_export_accelerations_of_joints(tmp_path):
+    """Those of the platform, the default, are refused where they mean nothing, with advice that works."""
+    robot = flexlegs.robot("gs_flexlegs")
+    with pytest.raises(pf.InputError, match="take output=JointOutput"):
+        pf.export_c(robot, tmp_path / "c")
+    files = pf.export_c(robot, tmp_path / "c", pf.JointOutput())
+    readme = next(path for path in files if path.name == "README.md").read_text()
+    assert "accelerations of actuated joints, in the order of u" in readme

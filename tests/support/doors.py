@@ -58,8 +58,12 @@ VALUES = other(
     complex={"gravity": [1j, 0, 0]},
 )
 OUTPUT = {"output": thing(None, none=True, nowhere=pf.PointOutput(99), word="output|PointOutput")}
+LEGS_WORD = other("static", number=1, nothing=None, word_of_none="stiff", list=["static"])
 ROWS = other(
     (0,), text="abc", number=1, halves=[0.5], nothing=None, far=[9], nan=[NAN], twice=[1, 1], empty=[]
+)
+SOME_JOINTS = ROWS._replace(
+    bad={name: bad for name, bad in ROWS.bad.items() if name not in ("nothing", "far")}
 )
 SOME = ROWS._replace(bad={name: bad for name, bad in ROWS.bad.items() if name != "empty"})
 DRIVEN = {"state": STATE, "forces": array(GAMMA)} | LOAD
@@ -117,7 +121,10 @@ DOORS: dict[str, Door] = {
     "Compiled.inverse": Door(FLAT.inverse, {"x": vector(15), "target": vector(6), "out": vector(7)}),
     "ComputedTorque": Door(
         partial(pf.ComputedTorque, trajectory=WAY),
-        MODELLED | ALONG | GAINS | {"output": thing(pf.FrameOutput()), "preload": array(GAMMA)},
+        MODELLED
+        | ALONG
+        | GAINS
+        | {"output": thing(pf.FrameOutput()), "preload": array(GAMMA), "legs": LEGS_WORD},
     ),
     "FlexibleBody.from_nodes": Door(
         pf.FlexibleBody.from_nodes,
@@ -153,6 +160,7 @@ DOORS: dict[str, Door] = {
     "Flexure.about": Door(pf.Flexure.about, {"axis": array([0, 0, 1.0])} | FLEXURE),
     "FrameOutput": Door(pf.FrameOutput, {"rows": ROWS}),
     "Hold": Door(pf.Hold, {"duration": positive()}),
+    "JointOutput": Door(pf.JointOutput, {"rows": SOME_JOINTS}),
     "Joint": Door(pf.Joint, JOINT | {"body": thing(BEAM, none=True)}),
     "JointPD": Door(pf.JointPD, MODELLED | {"reference": ONE} | GAINS | {"forces": array(GAMMA)}),
     "Leg": Door(
@@ -185,7 +193,12 @@ DOORS: dict[str, Door] = {
     "Model.forward_all": Door(
         partial(MODEL.forward_all, starts=1), JOINTED | {"starts": whole(1), "seed": whole(0)}
     ),
-    "Model.inverse": Door(MODEL.inverse, WANTED | {"preload": array(GAMMA, none=True), "parameters": VALUES}),
+    "Model.inverse": Door(
+        MODEL.inverse,
+        WANTED
+        | {"preload": array(GAMMA, none=True), "parameters": VALUES}
+        | {"legs": LEGS_WORD, "allow_ill_posed": flag()},
+    ),
     "Model.inverse_jacobian": Door(MODEL.inverse_jacobian, WANTED | {"parameters": VALUES}),
     "Model.joint_accelerations": Door(MODEL.joint_accelerations, DRIVEN),
     "Model.joints": Door(MODEL.joints, {"state": STATE}),

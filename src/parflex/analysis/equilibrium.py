@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 
 from parflex.analysis.health import check_health, on_closure, single
+from parflex.analysis.leg_sag import sagging
 from parflex.analysis.mobility import freed_twist, null_space, show, span
 from parflex.base.array import Array, block_diagonal, join, transpose
 from parflex.base.check import of_type
@@ -96,6 +97,8 @@ def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array
     still = State(state.position, state.rotation, joints=state.joints)
     start = single(name, on_closure(mechanism, still))
     check_health(mechanism, examined(mechanism, start)[1])
+    if any(mechanism.layout.elastic):
+        return sagging(functions, start)
 
     def held(q_e: Array) -> Array:
         return projected(mechanism, state_of(mechanism, bent(mechanism, start, q_e)))

@@ -8,13 +8,13 @@ from parflex.base.array import Array, transpose
 from parflex.base.check import index_of
 from parflex.base.errors import SingularPose
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output
+from parflex.mechanics.output import JointOutput, Output
 
 
 def gain_matrix(mechanism: Mechanism, output: Output, gain: Array) -> Array:
     """∂output/∂Γ (…, o, m) of a gain by rows (…, o m), angular rows in metres."""
     matrix = gain.reshape(gain.shape[:-1] + (output.size, mechanism.n_forces))
-    return matrix * output.lengths(mechanism.size)[:, None]
+    return matrix * output.lengths(mechanism)[:, None]
 
 
 def gain_ratio(flexible: Array, rigid: Array) -> Array:
@@ -44,6 +44,11 @@ def check_gain(mechanism: Mechanism, output: Output, x: Array, flexible: Array, 
             f"it; name rows that they leave free (model.mobility tells how many)"
         )
     lost = ratio(rigid) < SINGULAR
+    if np.any(lost) and isinstance(output, JointOutput):
+        raise SingularPose(
+            f"pose{index_of(lost)}: {output.size} actuated joints do not accelerate each for itself, as "
+            f"the platform ties them to one another; name fewer, or others, with JointOutput(rows=…)"
+        )
     if np.any(lost):
         which = tuple(np.argwhere(lost)[0]) if lost.ndim else ()
         twist = np.array2string(freed_twist(mechanism, x[which]), precision=3, suppress_small=True)

@@ -9,19 +9,20 @@ from parflex.base.array import Array, transpose
 from parflex.base.errors import DynamicSingularity
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
+from parflex.kernels.parametrised import Build
 from parflex.mechanics.output import Output
 
 
 class Watch:
     """A look at the gains of an output during a motion.
 
-    The determinants of ∂output/∂Γ, as it is and for a rigid platform, keep the signs they started
-    with until a singularity is crossed.
+    The determinants of ∂output/∂Γ, as the kernel `gains` gives it and for a rigid robot, keep the signs they
+    started with until a singularity is crossed.
     """
 
-    def __init__(self, functions: Functions, output: Output) -> None:
+    def __init__(self, functions: Functions, output: Output, gains: Build = models.gains) -> None:
         self._mechanism, self._output = functions.mechanism, output
-        self._function = functions(models.gains, output)
+        self._function = functions(gains, output)
         self._start: Array | None = None
         self._last = np.zeros(0)  # gains, flexible and rigid, (2, o, m)
 
@@ -53,7 +54,7 @@ class Watch:
         none."""
         if self._start is None:
             return ""
-        scale = self._output.lengths(self._mechanism.size)[:, None]
+        scale = self._output.lengths(self._mechanism)[:, None]
         (flexible, rigid), (flexible_0, rigid_0) = scale * self._last, scale * self._start
         now, start, kind = ratio(rigid), ratio(rigid_0), "parallel"
         if now > 0.05 * start:

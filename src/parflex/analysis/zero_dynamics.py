@@ -90,6 +90,4 @@ def zero_poles(functions: Functions, x: Array, forces: Array, output: Output) ->
 
 def held_motions(mechanism: Mechanism, x: Array, output: Output) -> Array:
     """Motions (6 + N + n, d) that the closure allows and the output does not see."""
-    c, every = coordinates(x, mechanism.layout), np.eye(6 + mechanism.platform.modes)
-    seen = output.linear(mechanism.platform.body, c, every[:6], every[6:])
-    return allowed(mechanism, x, np.hstack([seen, np.zeros((output.size, len(mechanism.driven)))]))
+    return allowed(mechanism, x, output.seen(mechanism, coordinates(x, mechanism.layout)))

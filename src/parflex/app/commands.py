@@ -14,7 +14,7 @@ from parflex.app.viewing import what_now
 from parflex.base.errors import InputError
 
 if TYPE_CHECKING:
-    from parflex.mechanics.output import FrameOutput
+    from parflex.mechanics.output import Output
     from parflex.simulation.laws.verdict import Verdict
     from parflex.simulation.result import Result
 
@@ -110,14 +110,16 @@ def export(
     robot: RobotPath,
     c: Annotated[Path, typer.Option("--c", help="Folder for C99 code; made if it is not there.")],
     rows: Annotated[
-        str, typer.Option(help='Components of the acceleration that the inverse model takes: "0,1,2".')
+        str,
+        typer.Option(help='Components of the acceleration to be prescribed: "0,1,2", or "joints".'),
     ] = "",
     prefix: Annotated[str, typer.Option(help="What the names of all functions begin with.")] = "parflex",
     force: Annotated[bool, typer.Option("--force", help="Write beside files of others.")] = False,
 ) -> None:
     """Write the models as C99 for controllers: no allocation, a header, a self-test.
 
-    Rows are 0, 1, 2 linear, 3, 4, 5 angular, in the platform's axes; all six by default.
+    Rows are 0, 1, 2 linear, 3, 4, 5 angular, in the platform's axes; all six by default. "joints" are the
+    accelerations of the motors' joints, for robots whose legs bend.
 
     Examples:
 
@@ -142,14 +144,18 @@ def export(
     console.print(f"now: make -C {escape(str(c))}")
 
 
-def output_of(rows: str) -> "FrameOutput":
-    """The output that the rows "0,1,2" name; all six where there are none."""
-    from parflex.mechanics.output import FrameOutput
+def output_of(rows: str) -> "Output":
+    """The output that the rows "0,1,2" name; all six where there are none, and the joints' of "joints"."""
+    from parflex.mechanics.output import FrameOutput, JointOutput
 
+    if rows == "joints":
+        return JointOutput()
     try:
         return FrameOutput(tuple(int(part) for part in rows.split(","))) if rows else FrameOutput()
     except ValueError:
-        words = f"--rows is {rows!r}; name rows, each once, like 0,1,2: 0, 1, 2 linear, 3, 4, 5 angular"
+        words = (
+            f"--rows is {rows!r}; name rows, each once, like 0,1,2: 0, 1, 2 linear, 3 … 5 angular; or joints"
+        )
         raise InputError(words) from None
 
 

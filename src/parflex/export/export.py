@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from parflex.analysis.posed import well_posed
 from parflex.base.errors import InputError
 from parflex.base.progress import waiting
 from parflex.base.writing import replacing
@@ -16,8 +17,10 @@ from parflex.export.code import Body, body
 from parflex.export.interface import OPTIONAL, Routine, routines
 from parflex.export.text import FILES, MARK, Export, texts
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.output import Output, PlatformOutput
 from parflex.mechanics.redundancy import solvable
+from parflex.model import inputs
+from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.robot import Robot
 
@@ -46,9 +49,9 @@ def export_c(
     folder = Path(directory)
     check_prefix(prefix)
     check_folder(folder, force)
-    output = FrameOutput() if output is None else output
-    check_output(robot, output)
-    return write(folder, texts(gathered(solvable(robot), output, prefix)))
+    chosen = inputs.output_of(core_of(Model(robot, "numpy")), output)
+    check_output(robot, chosen)
+    return write(folder, texts(gathered(solvable(robot), chosen, prefix)))
 
 
 def gathered(mechanism: Mechanism, output: Output, prefix: str) -> Export:
@@ -108,10 +111,15 @@ def own(path: Path) -> bool:
 
 
 def check_output(robot: Robot, output: Output) -> None:
-    """Raise InputError, SingularPose where the inverse model has no answer at home."""
+    """Raise InputError, SingularPose where the inverse model has no answer at home, or a meaningless one."""
     model = Model(robot, "numpy")
-    size = output.size if isinstance(output, Output) else 0
-    model.inverse(model.project(robot.home), np.zeros(size), output)
+    state, core = model.project(robot.home), core_of(model)
+    model.inverse(state, np.zeros(output.size), output, allow_ill_posed=True)
+    if isinstance(output, PlatformOutput) and not well_posed(core.readable, output, core.flat(state)):
+        raise InputError(
+            "output is an acceleration of the platform, but the legs bend between it and the motors, so that "
+            "what forces give it at once means nothing; take output=JointOutput(), --rows joints"
+        )
 
 
 def write(folder: Path, found: dict[str, str]) -> tuple[Path, ...]:

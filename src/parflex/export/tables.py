@@ -2,7 +2,7 @@
 
 from parflex.export.interface import tips
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output, PointOutput
+from parflex.mechanics.output import Output, PlatformOutput, PointOutput
 from parflex.robot.joint_words import driven
 from parflex.robot.leg import Joint
 
@@ -78,6 +78,8 @@ def inputs(mechanism: Mechanism, output: Output) -> Rows:
 
 def target(output: Output) -> str:
     """The accelerations that the inverse model prescribes."""
+    if not isinstance(output, PlatformOutput):
+        return "accelerations of actuated joints, in the order of u, m/s^2 or rad/s^2"
     rows = ", ".join(COMPONENTS[row] for row in output.axes)
     where = "the platform's frame"
     if isinstance(output, PointOutput):

@@ -14,7 +14,7 @@ from parflex.mechanics import system as assembly
 from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.designs import placed
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output
+from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.wrench import Place, pushed
 from parflex.robot.layout import Coordinates
 from parflex.robot.parameters import Parameters
@@ -38,7 +38,7 @@ def direct_jacobian(mechanism: Mechanism, places: Places) -> Kernel:
     return kernel("direct_jacobian", function, mechanism, outputs, (places,), pushes=pushes, **sizes)
 
 
-def inverse_jacobian(mechanism: Mechanism, output: Output, places: Places) -> Kernel:
+def inverse_jacobian(mechanism: Mechanism, output: PlatformOutput, places: Places) -> Kernel:
     """∂Γ by state and target, for as many outputs as actuators."""
 
     def function(x: Array, target: Array, load: Array, pushes: Array) -> Vectors:

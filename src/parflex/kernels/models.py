@@ -4,14 +4,19 @@ The direct and the inverse model give the legs' `health` too, by which the doors
 none of the robot's. Gains, contact matrix and actuated joints give none: who asks for them has checked.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 
-from parflex.base.array import Array, merged
+from parflex.base.array import Array, join, merged, mv
 from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import contact, dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
+from parflex.mechanics.stiffening import stiffened, unbalanced
+
+Restricted = Callable[[assembly.System], assembly.System]
 
 
 def direct(mechanism: Mechanism) -> Kernel:
@@ -53,25 +58,67 @@ def inverse(mechanism: Mechanism, output: Output) -> Kernel:
     return kernel("inverse", function, mechanism, outputs, (output,), **sizes)
 
 
+def static_inverse(mechanism: Mechanism, output: Output) -> Kernel:
+    """The inverse model of legs that do not accelerate in their bend, and by how much that is to change, as
+    `stiffening.unbalanced`."""
+
+    def function(x: Array, target: Array, load: Array, preload: Array) -> Vectors:
+        system = assembly.assembled(mechanism, x)
+        found = dynamics.inverse_of(stiffened(system), target, load, output, preload)
+        excess = unbalanced(system, found.forces, found.acceleration.contact)
+        answer = moved(system, found.acceleration)
+        return {"forces": found.forces, **answer, "gain": merged(found.gain), "excess": excess}
+
+    sizes = {"target": output.size, "gain": output.size * mechanism.n_forces}
+    sizes |= {"excess": mechanism.layout.carried}
+    outputs = ("forces", *ANSWER, "gain", "excess")
+    return kernel("static_inverse", function, mechanism, outputs, (output,), **sizes)
+
+
 def gains(mechanism: Mechanism, output: Output) -> Kernel:
-    """∂output/∂Γ by rows, as it is and as it were for a platform that does not bend."""
+    """∂output/∂Γ by rows, as it is and as it were if neither platform nor legs could bend."""
+    return both_gains("gains", mechanism, output, lambda system: system)
+
+
+def platform_gains(mechanism: Mechanism, output: Output) -> Kernel:
+    """∂output/∂Γ by rows for legs that do not bend, and for a platform that does not either."""
+    return both_gains("platform_gains", mechanism, output, stiffened)
+
+
+def both_gains(name: str, mechanism: Mechanism, output: Output, of: Restricted) -> Kernel:
+    """∂output/∂Γ by rows of a robot some parts of which do not bend, and as it were if none could."""
 
     def function(x: Array) -> Vectors:
-        flexible, rigid = dynamics.gains(assembly.assembled(mechanism, x), output)
+        flexible, rigid = dynamics.gains(of(assembly.assembled(mechanism, x)), output)
         return {"flexible": merged(flexible), "rigid": merged(rigid)}
 
     size = output.size * mechanism.n_forces
     outputs = ("flexible", "rigid")
-    return kernel("gains", function, mechanism, outputs, (output,), flexible=size, rigid=size)
+    return kernel(name, function, mechanism, outputs, (output,), flexible=size, rigid=size)
 
 
 def frozen_inverse(mechanism: Mechanism) -> Kernel:
-    """Γ for a wanted V̇_p of a platform frozen in its bend."""
+    """Γ for a wanted V̇_p of platform and legs frozen in their bend."""
 
     def function(x: Array, platform: Array) -> Vectors:
-        return {"forces": dynamics.frozen_inverse(assembly.assembled(mechanism, x), platform)}
+        return {"forces": dynamics.frozen_inverse(assembly.assembled(mechanism, x), platform)[0]}
 
     return kernel("frozen_inverse", function, mechanism, ("forces",))
+
+
+def sag(mechanism: Mechanism) -> Kernel:
+    """Γ that holds the robot at rest as it is bent, and by how much its bend is to change: of the platform's
+    modes, and as `stiffening.unbalanced`."""
+    at_rest, stiffness = np.zeros(6), mechanism.platform.stiffness
+
+    def function(x: Array) -> Vectors:
+        system = assembly.assembled(mechanism, x)
+        forces, f = dynamics.frozen_inverse(system, at_rest)
+        excess = (system.platform.c_e - mv(system.W_e, f)) / stiffness
+        return {"forces": forces, "excess": join([excess, unbalanced(system, forces, f)])}
+
+    size = mechanism.platform.modes + mechanism.layout.carried
+    return kernel("sag", function, mechanism, ("forces", "excess"), excess=size)
 
 
 def contact_matrix(mechanism: Mechanism) -> Kernel:

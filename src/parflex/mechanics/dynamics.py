@@ -21,6 +21,7 @@ from parflex.base.unroll import each, factored_solve, solve_definite, solve_leas
 from parflex.mechanics.contact import Contact, contact_forces, contact_system, legs_at_tips, loaded
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
+from parflex.mechanics.stiffening import stiffened
 from parflex.mechanics.system import System, assemble
 from parflex.robot.layout import Coordinates
 
@@ -84,56 +85,61 @@ def inverse_of(
     unforeseen: Array | None = None,
 ) -> Inverse:
     """The inverse model of an assembled system; accelerations are those under one more load, unforeseen."""
-    body, x = system.mechanism.platform.body, system.x
     contact = contact_system(system, wrench)
     actual = contact if unforeseen is None else loaded(system, contact, unforeseen)
     columns = np.concatenate([stack([contact.rhs, actual.rhs]), contact.JAS], axis=-1)
     f = contact_forces(system.mechanism, contact.C, columns)
     f_0, f_1, F = f[..., 0], f[..., 1], f[..., 2:]
     free = accelerations(system, contact, f_0)
-    gain = output.linear(body, x, *acceleration_map(system, contact, F))
-    reached = output.linear(body, x, free.platform[..., None], free.elastic[..., None])[..., 0]
-    reached = reached + output.drift(body, x) + mv(gain, preload)
+    gain = output.gain(system, contact, F, acceleration_map(system, contact, F))
+    reached = output.free(system, f_0, (free.platform[..., None], free.elastic[..., None])) + mv(
+        gain, preload
+    )
     forces = preload + solve_least_norm(gain, target - reached)
     driven = accelerations(system, actual, f_1 + mv(F, forces))
     return Inverse(forces, driven, gain)
 
 
 def gains(system: System, output: Output) -> tuple[Array, Array]:
-    """∂output/∂Γ (…, o, m), and what it would be if the platform could not bend."""
-    contact = contact_system(system, np.zeros(6 + system.mechanism.platform.modes))
+    """∂output/∂Γ (…, o, m), and what it would be if neither platform nor legs could bend."""
+    none, stiff = np.zeros(6 + system.mechanism.platform.modes), stiffened(system)
+    contact = contact_system(system, none)
     F = contact_forces(system.mechanism, contact.C, contact.JAS)
-    body = system.mechanism.platform.body
-    flexible = output.linear(body, system.x, *acceleration_map(system, contact, F))
-    Vd = frozen(system, contact.compliance, contact.JAS)
-    still = np.zeros(Vd.shape[:-2] + (body.modes, Vd.shape[-1]))
-    return flexible, output.linear(body, system.x, Vd, still)
+    flexible = output.gain(system, contact, F, acceleration_map(system, contact, F))
+    rigid = contact if stiff is system else contact_system(stiff, none)
+    F, Vd = frozen(stiff, rigid.compliance, rigid.JAS)
+    still = np.zeros(Vd.shape[:-2] + (system.mechanism.platform.modes, Vd.shape[-1]))
+    return flexible, output.gain(stiff, rigid, F, (Vd, still))
 
 
-def frozen_inverse(system: System, target: Array) -> Array:
-    """Γ (…, m) for a wanted V̇_p (…, 6) of a platform frozen in its bend.
+def frozen_inverse(system: System, target: Array) -> tuple[Array, Array]:
+    """Γ (…, m) and contact forces (…, 3k) for a wanted V̇_p (…, 6), platform and legs frozen in their bend.
 
     At rest these are the forces of the equilibrium with that bend. Of more than six actuators they are the
     shortest; fewer give what comes nearest, angular rows in metres.
     """
+    system = stiffened(system)
     legs, W_p, (A_rr, _, c_r, _) = legs_at_tips(system), system.W_p, system.platform
     fall = solve_definite(A_rr, c_r[..., None])
     rhs = (legs.drift - merged(system.points.h))[..., None] + transpose(W_p) @ fall
-    moved = frozen(system, legs.compliance, np.concatenate([rhs, legs.driven], axis=-1))
+    F, moved = frozen(system, legs.compliance, np.concatenate([rhs, legs.driven], axis=-1))
     gain, left = moved[..., 1:], target - moved[..., 0] + fall[..., 0]
     if gain.shape[-1] >= gain.shape[-2]:
-        return solve_least_norm(gain, left)
-    weighted = transpose(gain) * np.repeat([1.0, system.mechanism.size**2], 3)
-    return solve_definite(weighted @ gain, mv(weighted, left)[..., None])[..., 0]
+        forces = solve_least_norm(gain, left)
+    else:
+        weighted = transpose(gain) * np.repeat([1.0, system.mechanism.size**2], 3)
+        forces = solve_definite(weighted @ gain, mv(weighted, left)[..., None])[..., 0]
+    return forces, F[..., 0] + mv(F[..., 1:], forces)
 
 
-def frozen(system: System, compliance: Array, columns: Array) -> Array:
-    """A_rr⁻¹ W_p f (…, 6, c) of a platform frozen in its bend, for C_r f = columns (…, 3k, c),
-    C_r = W_pᵀ A_rr⁻¹ W_p + J A⁻¹ Jᵀ."""
+def frozen(system: System, compliance: Array, columns: Array) -> tuple[Array, Array]:
+    """f (…, 3k, c) and A_rr⁻¹ W_p f (…, 6, c) of a platform frozen in its bend on stiffened legs, for
+    C_r f = columns (…, 3k, c), C_r = W_pᵀ A_rr⁻¹ W_p + J A⁻¹ Jᵀ."""
     A_rr, W_p = system.platform.A_rr, system.W_p
     C = transpose(W_p) @ solve_definite(A_rr, W_p) + compliance
     unbent = replace(system.mechanism, rows=system.mechanism.rows_unbent)
-    return solve_definite(A_rr, W_p @ contact_forces(unbent, C, columns))
+    f = contact_forces(unbent, C, columns)
+    return f, solve_definite(A_rr, W_p @ f)
 
 
 def accelerations(system: System, contact: Contact, f: Array) -> Acceleration:

@@ -61,9 +61,9 @@ class Mechanism:
     Legs of one type and equal structure are a group, and inside the mechanics tips, joints and forces stand
     group by group; `force_order`, `joint_order` and `tip_order` put them in the order of the legs, in which
     everybody else has them. With other numbers in its tables it is another mechanism, `dataclasses.replace`.
-    `rows`, of which the models solve the independent ones, and those of a platform that does not bend are
-    found by `redundancy.with_rows`. `elimination` forms the contact system in another order than
-    `contact.eliminated` does, where that is quicker.
+    `rows`, of which the models solve the independent ones, those of legs that do not bend, and those of a
+    robot of which nothing bends are found by `redundancy.with_rows`. `elimination` forms the contact system
+    in another order than `contact.eliminated` does, where that is quicker.
     """
 
     robot: Robot
@@ -71,6 +71,7 @@ class Mechanism:
     platform: Platform
     gravity: Array  # (3,) in Σ0
     rows: Rows | None = None
+    rows_stiff: Rows | None = None
     rows_unbent: Rows | None = None
     elimination: Callable[[Any, Array], Any] | None = None
 

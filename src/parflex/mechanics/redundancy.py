@@ -8,7 +8,8 @@ from parflex.base.array import Array, mv
 from parflex.base.errors import OutOfReach
 from parflex.mechanics.closure import ALL, POSE, closed, closure_matrix, displaced, units
 from parflex.mechanics.flat_state import flat_state
-from parflex.mechanics.mechanism import Mechanism, Rows, mechanism_of
+from parflex.mechanics.mechanism import Mechanism, Rows
+from parflex.mechanics.rests import rested
 from parflex.mechanics.system import assembled, examined
 from parflex.robot.robot import Robot
 
@@ -20,18 +21,18 @@ STATES = 4
 
 def with_rows(mechanism: Mechanism) -> Mechanism:
     """The mechanism that knows which rows of its closure the models solve; raises as `closure_rows`."""
-    rows, unbent = closure_rows(mechanism)
-    return replace(mechanism, rows=rows, rows_unbent=unbent)
+    rows, stiff, unbent = closure_rows(mechanism)
+    return replace(mechanism, rows=rows, rows_stiff=stiff, rows_unbent=unbent)
 
 
 def solvable(robot: Robot) -> Mechanism:
     """The mechanism of a robot, ready for the models; raises as `closure_rows`."""
-    return with_rows(mechanism_of(robot))
+    return with_rows(rested(robot))
 
 
-def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows]:
-    """The rows by pivoted orthogonalisation at several generic states near home; also of a platform that does
-    not bend.
+def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows, Rows]:
+    """The rows by pivoted orthogonalisation at several generic states near home; also those of legs that do
+    not bend, and of a robot of which nothing bends.
 
     Legs that close by themselves have an invertible J, and so no row that depends on others.
 
@@ -40,10 +41,12 @@ def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows]:
     count, bend = 3 * len(mechanism.attachments), mechanism.layout.displacements.elastic
     if mechanism.closed:
         every = rows_of(np.arange(count), count)
-        return every, every
+        return every, every, every
     found = generic_matrices(mechanism)
-    unbent = [np.delete(G, bend, axis=1) for G in found]
-    return rows_of(most_independent(found), count), rows_of(most_independent(unbent), count)
+    stiff = [G * (units(mechanism, ALL) > 0) for G in found]
+    unbent = [np.delete(G, bend, axis=1) for G in stiff]
+    rows, of_stiff, of_unbent = (rows_of(most_independent(each), count) for each in (found, stiff, unbent))
+    return rows, of_stiff, of_unbent
 
 
 def rows_of(kept: Array, count: int) -> Rows:

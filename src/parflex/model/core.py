@@ -18,8 +18,9 @@ from parflex.compiled.functions import Functions
 from parflex.kernels import joints as kernels
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.flat_state import flat_state, state_of
-from parflex.mechanics.mechanism import Mechanism, mechanism_of
+from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.ordering import Joints, by_leg
+from parflex.mechanics.rests import rested
 from parflex.mechanics.system import System, examined, joint_reactions, leg_accelerations
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
@@ -53,7 +54,7 @@ class Core:
 
         Raises InputError for values that the robot itself would refuse.
         """
-        mechanism = mechanism_of(rebuilt(self.functions.parameters, theta))
+        mechanism = rested(rebuilt(self.functions.parameters, theta))
         return Core(mechanism, self.functions.at(mechanism, theta))
 
     def flat(self, state: State) -> Array:
@@ -81,7 +82,7 @@ class Core:
 
 def made(robot: Robot, backend: str, parameters: Sequence[str]) -> Core:
     """The core of a robot; raises InputError for an unknown backend or parameter."""
-    mechanism = mechanism_of(of_type("robot", robot, Robot))
+    mechanism = rested(of_type("robot", robot, Robot))
     return Core(mechanism, Functions(mechanism, choose(backend), Parameters(robot, parameters)))
 
 

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together, finite, of_type
 from parflex.base.errors import InputError
-from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.output import FrameOutput, Output, PlatformOutput
 from parflex.mechanics.wrench import generalised_force, pushes_of
 from parflex.model.core import Core
 from parflex.robot.state import State
@@ -57,27 +57,32 @@ def of_jacobian(
 
 
 def output_of(core: Core, given: Output | None) -> Output:
-    """The output, all of V̇_p by default; raises InputError where the platform does not have it."""
+    """The output, all of V̇_p by default; raises InputError where the robot does not have it."""
     output = FrameOutput() if given is None else given
     of_type("output", output, Output, "an")
-    output.check(core.robot.platform)
-    return output
+    return output.of(core.robot)
 
 
 def commanded(core: Core, given: Output | None) -> Output:
-    """The output; raises InputError where the platform does not have it, or too few actuators drive it."""
+    """The output; raises InputError where the robot does not have it, or too few actuators drive it."""
     output, m = output_of(core, given), core.mechanism.n_forces
     if m < output.size:
         raise InputError(
             f"output asks for {output.size} accelerations, but the robot has "
-            f"{m} actuators; name as many with FrameOutput(rows=…)"
+            f"{m} actuators; name as many with {type(output).__name__}(rows=…)"
         )
     return output
 
 
-def square(core: Core, given: Output | None) -> Output:
-    """The output, as `commanded`; raises InputError where it has not as many rows as there are actuators."""
+def square(core: Core, given: Output | None) -> PlatformOutput:
+    """The output, as `commanded`; raises InputError where it has not as many rows as there are actuators, or
+    is not of the platform."""
     output, m = commanded(core, given), core.mechanism.n_forces
+    if not isinstance(output, PlatformOutput):
+        raise InputError(
+            f"output is a {type(output).__name__}; the derivative is known for accelerations of the "
+            f"platform: give a FrameOutput or a PointOutput"
+        )
     if output.size != m:
         raise InputError(
             f"output has {output.size} rows and the robot {m} actuators; the derivative is known for "

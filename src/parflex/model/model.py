@@ -1,6 +1,5 @@
 """The dynamic models of a robot, on the backend of one's choice: the comfortable door."""
 
-import warnings
 from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import partial
@@ -8,10 +7,10 @@ from functools import partial
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.analysis import equilibrium, forward, gains, health, mobility, zero_dynamics
+from parflex.analysis import equilibrium, forward, health, mobility, zero_dynamics
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together, finite
-from parflex.base.errors import DynamicSingularity, InputError
+from parflex.base.errors import InputError
 from parflex.kernels import jacobians
 from parflex.kernels import models as kernels
 from parflex.mechanics.cartesian import Cartesian, cartesian
@@ -20,7 +19,7 @@ from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import examined
 from parflex.mechanics.wrench import places_of
-from parflex.model import inputs
+from parflex.model import inputs, inverting
 from parflex.model.core import joints_at, legs_moved, made
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Values, Wrenches
@@ -116,32 +115,25 @@ class Model:
         *,
         preload: ArrayLike | None = None,
         parameters: Values = None,
+        legs: str = "moving",
+        allow_ill_posed: bool = False,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
         The output is all of V̇_p by default; with fewer freedoms name independent rows,
-        `FrameOutput(rows=…)`, or a material point, `PointOutput`. With more actuators than outputs
-        the forces are the nearest to preload (…, m), by default the shortest.
+        `FrameOutput(rows=…)`, or a material point, `PointOutput`, or the actuated joints, `JointOutput`. With
+        more actuators than outputs the forces are the nearest to preload (…, m), by default the shortest.
 
-        Raises InputError for wrong shapes, states off the closure, or fewer actuators than outputs,
-        OutOfReach, and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
+        With legs="static" flexible legs bend under their loads and do not swing: the answer says how
+        (`leg_elastic`), and a state bent like that, at rest in its bend, gets the target from `direct`.
+
+        Raises InputError for wrong shapes, states off the closure, fewer actuators than outputs, or where
+        legs that bend leave less than half of a gain, unless allow_ill_posed; OutOfReach, NotConverged
+        (static legs), and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
         beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        output, mechanism = inputs.commanded(self._core, output), self._core.mechanism
-        x, wanted = self._core.flat(state), finite("target", target, (output.size,))
-        load, theta = inputs.load(self._core, state, wrenches), inputs.theta(self._core, parameters)
-        bias = inputs.preload(self._core, preload)
-        broadcast_together(state=x, target=wanted, wrenches=load, preload=bias, parameters=theta)
-        function = self._core.functions(kernels.inverse, output, theta=theta)
-        found = function.run(x=x, target=wanted, load=load, preload=bias)
-        self._core.check(x, found["health"])
-        health.check_finite(found["gain"])
-        rigid = self._core.functions(kernels.gains, output, theta=theta).run(x=x)["rigid"]
-        beyond = gains.check_gain(mechanism, output, *gains.spread(x, found["gain"], rigid))
-        if np.any(beyond):
-            warnings.warn(gains.beyond_words(beyond), DynamicSingularity, stacklevel=2)
-        contact = by_attachment(mechanism, found["contact"])
-        return Forces(found["forces"], found["elastic"], found["platform"], contact)
+        asked = inverting.wanted(self._core, state, target, output, wrenches, preload, parameters)
+        return inverting.inverse(self._core, asked, legs, allow_ill_posed)
 
     def direct_jacobian(
         self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, parameters: Values = None

@@ -46,17 +46,29 @@ class Accelerations(OfPlatform):
         return self._legs.elastic
 
 
-class Forces(NamedTuple):
-    """The inverse model's answer.
-
-    forces Γ (…, m) N or N m; elastic q̈_e (…, N), platform V̇_p (…, 6) and contact_forces
-    (…, k, 3) N that go with them, in Σp.
-    """
+class WithForces(NamedTuple):
+    """The part of the inverse model's answer that platform and motors have."""
 
     forces: Array
     elastic: Array
     platform: Array
     contact_forces: Array
+
+
+class Forces(WithForces):
+    """The inverse model's answer.
+
+    forces Γ (…, m) N or N m; elastic q̈_e (…, N), platform V̇_p (…, 6) and contact_forces
+    (…, k, 3) N that go with them, in Σp. leg_elastic e (…, N_i), one array per leg, is how the legs bend
+    where they do so statically, `legs="static"`; None elsewhere.
+    """
+
+    leg_elastic: tuple[Array, ...] | None = None
+
+    def with_legs(self, bend: tuple[Array, ...]) -> "Forces":
+        """The same answer, of legs bent like that."""
+        self.leg_elastic = bend
+        return self
 
 
 class DirectJacobian(NamedTuple):

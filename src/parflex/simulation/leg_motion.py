@@ -1,5 +1,6 @@
 """The motion of the actuated joints along a trajectory: lengths of struts, angles of cranks."""
 
+from dataclasses import replace
 from functools import partial
 from typing import NamedTuple
 
@@ -35,7 +36,7 @@ def leg_motion(
 ) -> LegMotion:
     """Positions, rates and accelerations of the actuated joints along a trajectory, at times t (…,) s.
 
-    The platform is bent as in `state` and at rest in its bend, by default undeformed. Legs with two
+    Platform and legs are bent as in `state` and at rest in their bend, by default undeformed. Legs with two
     branches stand on those that the state names, and joints that are carried are looked for from its own.
     Its pose is not looked at. Angles are continuous in t, where it has several instants in half a turn.
 
@@ -68,8 +69,8 @@ def leg_motion(
 
 def moved(core: Core, trajectory: Trajectory, t: Array, like: State) -> Vectors:
     """The answers of the kernel at times (T,), checked."""
-    rows, x = trajectory.rows(t), core.flat(like)
-    if core.mechanism.layout.carried:
+    rows, x = trajectory.rows(t), core.flat(replace(like, elastic_rate=0.0, leg_elastic_rate=None))
+    if any(core.mechanism.layout.joints):
         x = carrying(core, along(rows, t), like)
     found = core.functions(kernels.leg_motion)(x=x, time=t[:, None], row=rows)
     check_along(partial(check_health, core.mechanism), t, found["health"])
@@ -82,7 +83,7 @@ def carrying(core: Core, wanted: Sample, like: State) -> Array:
     layout, branches = core.mechanism.layout, core.mechanism.layout.at.branches
     given = like.joints and [q if n else None for q, n in zip(like.joints, layout.joints, strict=True)]
     pose = wanted.position, wanted.rotation, wanted.twist
-    x = core.flat(State(*pose, like.elastic, joints=given))
+    x = core.flat(State(*pose, like.elastic, joints=given, leg_elastic=like.leg_elastic))
     return join([x[..., : branches.start], core.flat(like)[branches]])
 
 

@@ -27,7 +27,7 @@ from parflex.mechanics.derivatives.tangent import (
 from parflex.mechanics.dynamics import acceleration_map, accelerations, inverse_of
 from parflex.mechanics.kinematics import unstacked
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output
+from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.platform import Platform, platform_terms
 from parflex.mechanics.system import System, by_group, diagonal, leg_accelerations
 from parflex.robot.layout import Coordinates
@@ -74,7 +74,9 @@ def direct_sensitivity(system: System, u: Array, load: Load) -> Sensitivity:
     return Sensitivity(by_state(system, at, load), by_forces, at.Q)
 
 
-def inverse_sensitivity(system: System, target: Array, load: Load, output: Output) -> tuple[Array, Array]:
+def inverse_sensitivity(
+    system: System, target: Array, load: Load, output: PlatformOutput
+) -> tuple[Array, Array]:
     """∂Γ by the state (…, m, 12 + 2 N + 2 n) and by the output's target (…, m, m), as many as actuators.
 
     The output's acceleration is L(x) a + d(x): L da + ∂(L a + d) = dtarget.

@@ -3,8 +3,10 @@
 from typing import NamedTuple
 
 from parflex.analysis.mobility import motions, rank, scaled_closure
+from parflex.analysis.posed import well_posed
 from parflex.mechanics.output import FrameOutput
 from parflex.model.core import core_of
+from parflex.model.inverting import MOVING, STATIC
 from parflex.model.model import Model
 from parflex.simulation.laws.computed_torque import ComputedTorque
 from parflex.simulation.laws.controller import Controller
@@ -25,7 +27,7 @@ class Choice(NamedTuple):
 def default_control(model: Model, way: Trajectory) -> Choice:
     """The legs' servos along a trajectory, or computed torque where they cannot hold the robot at home."""
     core = core_of(model)
-    if core.mechanism.layout.carried:
+    if any(core.mechanism.layout.joints):
         why = "the legs' servos need legs with closed-form inverse geometry"
         return Choice(held_frame(model, way), why)
     locked = decisive(core.at_home.locked_poles())
@@ -42,4 +44,6 @@ def held_frame(model: Model, way: Trajectory) -> ComputedTorque:
     G = scaled_closure(core.mechanism, core.flat(core.robot.home))
     _, triangle, order = qr(motions(core.mechanism, G).platform.T, pivoting=True, mode="economic")
     freedoms = min(rank(triangle), model.robot.n_forces)
-    return ComputedTorque(model, way, KP, KD, FrameOutput(tuple(sorted(order[:freedoms].tolist()))))
+    output = FrameOutput(tuple(sorted(order[:freedoms].tolist())))
+    legs = MOVING if well_posed(core.readable, output, core.flat(core.robot.home)) else STATIC
+    return ComputedTorque(model, way, KP, KD, output, legs=legs)

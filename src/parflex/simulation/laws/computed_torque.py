@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from parflex.analysis.posed import well_posed
 from parflex.analysis.watch import Watch
 from parflex.analysis.zero_dynamics import output_report
 from parflex.base import kinds
@@ -14,6 +15,7 @@ from parflex.base.dual import jacobian
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.base.spatial import axial
+from parflex.kernels import models
 from parflex.kernels.kernel import Kernel
 from parflex.kernels.motion import Driven, motion
 from parflex.kernels.motion_jacobian import ForceChange, motion_jacobian
@@ -21,10 +23,12 @@ from parflex.kernels.segment import SEGMENT, along
 from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import FrameOutput, Output
+from parflex.mechanics.output import FrameOutput, PlatformOutput
+from parflex.mechanics.stiffening import stiffened
 from parflex.mechanics.system import System
 from parflex.mechanics.wrench import Place
 from parflex.model.core import core_of
+from parflex.model.inverting import MOVING, STATIC, check_legs_word
 from parflex.model.model import Model
 from parflex.robot.fields import held
 from parflex.robot.layout import Coordinates
@@ -37,7 +41,7 @@ from parflex.simulation.trajectory import Trajectory
 GAINS = 12  # kp 6, kd 6
 
 
-def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking(mechanism: Mechanism, output: PlatformOutput, places: tuple[Place, ...]) -> Kernel:
     """The motion under computed torque; the row is (segment, gains 12, preload m).
 
     The law computes its forces without the wrenches; the feedback alone answers them.
@@ -52,7 +56,20 @@ def tracking(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) ->
     return motion("tracking", mechanism, SEGMENT + GAINS + mechanism.n_forces, law, places, output)
 
 
-def tracking_jacobian(mechanism: Mechanism, output: Output, places: tuple[Place, ...]) -> Kernel:
+def tracking_static(mechanism: Mechanism, output: PlatformOutput, places: tuple[Place, ...]) -> Kernel:
+    """The motion under computed torque of legs that do not accelerate in their bend; the row is that of
+    `tracking`."""
+
+    def law(system: System, t: Array, row: Array, load: Array) -> Driven:
+        target, preload = tracking_target(system.x, t, row, output), row[..., SEGMENT + GAINS :]
+        none = np.zeros(6 + mechanism.platform.modes)
+        forces = dynamics.inverse_of(stiffened(system), target, none, output, preload).forces
+        return Driven(forces, dynamics.direct_of(system, forces, load))
+
+    return motion("tracking_static", mechanism, SEGMENT + GAINS + mechanism.n_forces, law, places, output)
+
+
+def tracking_jacobian(mechanism: Mechanism, output: PlatformOutput, places: tuple[Place, ...]) -> Kernel:
     """The derivative of the motion under computed torque, of as many outputs as actuators."""
     none, unloaded = np.zeros(mechanism.n_forces), np.zeros(6 + mechanism.platform.modes)
 
@@ -65,7 +82,7 @@ def tracking_jacobian(mechanism: Mechanism, output: Output, places: tuple[Place,
     return motion_jacobian(tracking(mechanism, output, places), places, drive)
 
 
-def tracking_target(now: Coordinates, t: Array, row: Array, output: Output) -> Array:
+def tracking_target(now: Coordinates, t: Array, row: Array, output: PlatformOutput) -> Array:
     """The target (…, o) at times (…,): the output's rows of V̇_d + kd (V_d − V) + kp e, resolved in Σp.
 
     The wanted motion is that of `segment.along`, gains are (kp 6, kd 6). The attitude error is the
@@ -83,7 +100,7 @@ def tracking_target(now: Coordinates, t: Array, row: Array, output: Output) -> A
     return (acceleration + kd * (twist - now.twist) + kp * error)[..., list(output.axes)]
 
 
-def target_tangent(x: Coordinates, t: Array, row: Array, output: Output) -> Array:
+def target_tangent(x: Coordinates, t: Array, row: Array, output: PlatformOutput) -> Array:
     """∂ of the target (…, o, 12 + 2 N) by the small motions."""
 
     def target(seeds: Array) -> Array:
@@ -104,10 +121,14 @@ class ComputedTorque(Controller):
     follows the rows of `output`, as many as it has; one with more actuators stays nearest to
     `preload` (m,).
 
+    legs is "moving", or "static" where legs bend between motors and platform: the forces then are those that
+    the legs would need if they did not accelerate in their bend. The servos of such legs do without this.
+
     A run that starts beyond a dynamic singularity of the output, where this control is unstable,
     warns of it (DynamicSingularity).
 
-    Raises InputError for wrong shapes, negative gains, and more freedoms than actuators.
+    Raises InputError for wrong shapes, negative gains, more freedoms than actuators, and moving legs by
+    which the inverse model at home means nothing (`Model.inverse`).
     """
 
     kind = "computed-torque"
@@ -124,6 +145,7 @@ class ComputedTorque(Controller):
     kd: Given = held(default=0.0)
     output: FrameOutput = field(default_factory=FrameOutput)
     preload: Given = held(default=0.0)
+    legs: str = "moving"
 
     def __post_init__(self) -> None:
         for name in ("kp", "kd"):
@@ -133,7 +155,8 @@ class ComputedTorque(Controller):
             object.__setattr__(self, name, gain)
         of_type("ComputedTorque.trajectory", self.trajectory, Trajectory)
         of_type("ComputedTorque.output", self.output, FrameOutput)
-        m = core_of(self.model).robot.n_forces
+        core = core_of(self.model)
+        m = core.robot.n_forces
         preload = finite("ComputedTorque.preload", self.preload)
         if preload.shape not in ((), (m,)):
             raise InputError(f"ComputedTorque.preload has shape {preload.shape}; give ({m},)")
@@ -143,12 +166,22 @@ class ComputedTorque(Controller):
                 f"ComputedTorque follows {self.output.size} freedoms, but the robot has {m} actuators; "
                 f"name as many with output=FrameOutput(rows=…), or use JointPD or a function of your own"
             )
+        check_legs_word("ComputedTorque.legs", self.legs)
+        if self.legs == MOVING and not well_posed(core.readable, self.output, core.flat(core.robot.home)):
+            raise InputError(
+                "ComputedTorque asks for the platform's acceleration at once, but its legs bend between "
+                f'motors and platform: use Servo, or ComputedTorque(…, legs="{STATIC}") with gains low '
+                f"beside their frequencies"
+            )
 
-    def verdict(self, state: State | None = None) -> Verdict:
-        """The verdict on the modes while the frame is held in the pose of a state, by default home.
+    def verdict(self, state: State | None = None) -> Verdict | None:
+        """The verdict on the modes while the frame is held in the pose of a state, by default home; None with
+        legs="static".
 
         Raises as `Model.output_report`.
         """
+        if self.legs == STATIC:
+            return None
         core = core_of(self.model)
         report = output_report(core.readable, core.robot.home if state is None else state, self.output)
         return frame_verdict("computed torque", report.poles)
@@ -157,14 +190,15 @@ class ComputedTorque(Controller):
         way, m = self.trajectory, model.robot.n_forces
         constant = [stacked_row(6, self.kp, self.kd), stacked_row(m, self.preload)]
         rows = np.stack([np.concatenate([segment, *constant]) for segment in way.segments])
+        moving, functions = self.legs == MOVING, core_of(model).functions
         return Law(
-            tracking,
+            tracking if moving else tracking_static,
             tracking_jacobian,
             rows,
             way.starts[1:],
             (self.output,),
-            differentiable=self.output.size == m,
-            watch=Watch(core_of(model).functions, self.output),
+            differentiable=moving and self.output.size == m,
+            watch=Watch(functions, self.output, models.gains if moving else models.platform_gains),
         )
 
     @classmethod

@@ -33,10 +33,10 @@ RATE = 4000.0  # Hz, of an ordinary servo drive
 class Servo(Controller):
     """The legs' servos: Γ = Γ_r + kp (q_r − q) + kd (q̇_r − q̇) + ki ∫ (q_r − q) dt on the actuated joints.
 
-    The references q_r are the joints of the trajectory's pose, of the platform as it sags there at rest; Γ_r
-    are the forces that a platform frozen in that bend would need. kp (N/m or N m/rad), kd and ki are scalars
-    or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic frequency of the
-    robot with its legs locked where that is lower, on the joint's effective mass at home; ki is 0.
+    The references q_r are the joints of the trajectory's pose, of platform and legs as they sag there at
+    rest; Γ_r are the forces that a robot frozen in that bend would need. kp (N/m or N m/rad), kd and ki are
+    scalars or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic frequency
+    of the robot with its legs locked where that is lower, on the joint's effective mass at home; ki is 0.
 
     Joint feedback is collocated: it makes no mode unstable by itself. It cannot hold a platform that buckles
     on locked legs (`verdict` tells). `rate` (Hz) is that of the controller that will run it: gains that are
@@ -69,7 +69,7 @@ class Servo(Controller):
         of_type("Servo.trajectory", self.trajectory, Trajectory)
         object.__setattr__(self, "rate", positive("Servo.rate", self.rate))
         core = core_of(self.model)
-        if core.mechanism.layout.carried:
+        if any(core.mechanism.layout.joints):
             raise InputError(
                 "Servo asks the legs for their joints in closed form, which legs that Newton's method solves "
                 "do not give; use ComputedTorque, JointPD or a function of your own"

@@ -17,7 +17,7 @@ from parflex.simulation.laws.joint_pd import joints_ahead
 
 
 def servo(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
-    """The motion under servos; the row is (segment, start, span, bend N, its change N, kp m, kd m)."""
+    """The motion under servos; the row is (segment, start, span, bend, its change, kp m, kd m)."""
 
     def law(system: assembly.System, t: Array, row: Array, load: Array) -> Driven:
         u, _ = servo_forces(system, t, row)
@@ -55,13 +55,18 @@ def servo_jacobian(mechanism: Mechanism, places: tuple[Place, ...]) -> Kernel:
 def example_row(mechanism: Mechanism, gains: int) -> Array:
     """A row that rests at home, with so many gains for each actuator."""
     home = mechanism.robot.home
-    bend, kept = np.zeros(2 * mechanism.platform.modes), np.ones(gains * mechanism.n_forces)
+    bend, kept = np.zeros(2 * bends(mechanism)), np.ones(gains * mechanism.n_forces)
     return np.concatenate([resting(home.position, home.rotation).row, [0.0, 1.0], bend, kept])
+
+
+def bends(mechanism: Mechanism) -> int:
+    """The number of elastic coordinates, of platform and legs, where no joints are carried."""
+    return mechanism.platform.modes + mechanism.layout.carried
 
 
 def parted(mechanism: Mechanism, row: Array) -> list[Array]:
     """A row by its parts: segment, (start, span), bend, its change, kp, kd."""
-    N, m = mechanism.platform.modes, mechanism.n_forces
+    N, m = bends(mechanism), mechanism.n_forces
     return split(row, [(SEGMENT,), (2,), (N,), (N,), (m,), (m,)])
 
 
@@ -71,21 +76,23 @@ def servo_forces(system: assembly.System, t: Array, row: Array) -> tuple[Array, 
     wanted, acceleration = reference(system.mechanism, t, row, system.x.branches)
     ahead = joints_ahead(system, assembly.actuated_positions(wanted))
     faster = assembly.joint_rates(wanted) - assembly.joint_rates(system)
-    return dynamics.frozen_inverse(wanted, acceleration) + kp * ahead + kd * faster, ahead
+    return dynamics.frozen_inverse(wanted, acceleration)[0] + kp * ahead + kd * faster, ahead
 
 
 def reference(mechanism: Mechanism, t: Array, row: Array, branches: Array) -> tuple[assembly.System, Array]:
     """The robot where the trajectory wants it at times (…,), and the wanted V̇_p (…, 6).
 
-    The platform's bend passes from one sagging equilibrium to the next as the fifth-order polynomials of
-    moves do.
+    The bend of platform and legs passes from one sagging equilibrium to the next as the fifth-order
+    polynomials of moves do.
     """
     segment, times, bend, change, _, _ = parted(mechanism, row)
-    sample, span, none = along(segment, t), times[..., 1:], np.zeros(0)
+    sample, span, N = along(segment, t), times[..., 1:], mechanism.platform.modes
     tau = (t[..., None] - times[..., :1]) / span
     left = 1 - tau
     part = tau * tau * tau * (10 - 15 * tau + 6 * tau * tau)
     rate = 30 * tau * tau * left * left / span
     pose = sample.position, sample.rotation, sample.twist
-    place = Coordinates(*pose, bend + part * change, rate * change, none, none, branches)
+    bent, bending = bend + part * change, rate * change
+    own = bent[..., :N], bending[..., :N], bent[..., N:], bending[..., N:]
+    place = Coordinates(*pose, *own, branches)
     return assembly.assemble(mechanism, place), sample.acceleration

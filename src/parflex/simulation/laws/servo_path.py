@@ -1,4 +1,4 @@
-"""A trajectory as the legs' servos read it: the platform's bend along it, and whether the legs reach."""
+"""A trajectory as the legs' servos read it: the robot's bend along it, and whether the legs reach."""
 
 from functools import partial
 from itertools import pairwise
@@ -18,7 +18,7 @@ INSTANTS = 50  # in each segment, at which the legs' reach is looked at
 
 
 def sagging(core: Core, way: Trajectory) -> Array:
-    """The numbers behind the segments in a servo's rows (n, 2 + 2 N): start, span, bend and its change.
+    """The numbers behind the segments in a servo's rows (n, 2 + 2 b): start, span, bend and its change.
 
     The bends are those of the equilibria in the poses where segments meet.
     """
@@ -34,11 +34,12 @@ def sagging(core: Core, way: Trajectory) -> Array:
 
 
 def bend_at(core: Core, way: Trajectory, time: float) -> Array:
-    """q_e (N,) of the equilibrium in the pose at a time; raises as `at_rest`, with the time."""
+    """The bend (b,) of platform and legs in the equilibrium at a time; raises as `at_rest`, with that."""
     pose = way.sample(time)
     with told_at(time):
         x, _ = at_rest(core.readable, "trajectory", State(pose.position, pose.rotation))
-    return x[core.mechanism.layout.at.elastic]
+    at = core.mechanism.layout.at
+    return np.concatenate([x[at.elastic], x[at.joints]])
 
 
 def wanted_system(core: Core, way: Trajectory, rows: Array, t: Array) -> System:

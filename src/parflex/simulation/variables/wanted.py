@@ -48,12 +48,12 @@ def pose_error(run: Recorded, wanted: Sample) -> Array:
 
 
 def rigid_forces(run: Recorded, wanted: Sample) -> Array | None:
-    """Γ (T, m) that a platform which cannot bend would need; None where the state carries joints.
+    """Γ (T, m) that a robot which cannot bend would need; None where the state carries joints.
 
     Not a number at instants whose pose a leg does not reach.
     """
     layout = run.mechanism.layout
-    if layout.carried:
+    if any(layout.joints):
         return None
     x = pack(State(wanted.position, wanted.rotation, wanted.twist), layout)
     x[:, layout.at.branches] = run.state.branches

@@ -1,0 +1,58 @@
+"""Inverse models that mean nothing: what legs that bend make of the gains from forces to an output.
+
+Where a compliance with mass lies between motor and platform, the platform does not accelerate with the motor
+but after it, and the instantaneous gain is an accident of the chosen shapes: it alternates in sign, and tends
+to 0, with their number.
+"""
+
+import numpy as np
+
+from parflex.analysis.gains import gain_matrix, gain_ratio
+from parflex.base.array import Array
+from parflex.base.check import index_of
+from parflex.base.errors import InputError
+from parflex.compiled.functions import Functions
+from parflex.kernels import models
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.output import Output
+
+# of the gain with legs that do not bend. Shapes that bend a strut leave 1.0 and more. Those that
+# stretch a rod between motor and platform leave less than nothing, or little: two of them a half at
+# most, where the motor has no mass and the rod is as heavy as its share of the platform
+LEAST = 0.5
+
+
+def least_share(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> Array:
+    """The least eigenvalue (…,) of G_f G_r⁺, its real part: what legs that bend leave of the gains.
+
+    flexible and stiff (…, o m) are ∂output/∂Γ as it is, and for legs that do not bend.
+    """
+    G_f, G_r = gain_matrix(mechanism, output, np.stack([flexible, stiff]))
+    found: Array = np.min(np.linalg.eigvals(gain_ratio(G_f, G_r)).real, axis=-1)
+    return found
+
+
+def well_posed(functions: Functions, output: Output, x: Array) -> bool:
+    """True where the inverse model means something at a flat state (size,)."""
+    mechanism = functions.mechanism
+    if not any(mechanism.layout.elastic):
+        return True
+    gains = (functions(build, output)(x=x)["flexible"] for build in (models.gains, models.platform_gains))
+    return bool(least_share(mechanism, output, *gains) >= LEAST)
+
+
+def check_posed(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> None:
+    """Raise InputError where legs that bend leave too little of the gains, or turn them round.
+
+    flexible and stiff (…, o m) are as in `least_share`.
+    """
+    least = least_share(mechanism, output, flexible, stiff)
+    bad = ~(least >= LEAST)
+    if np.any(bad):
+        worst = float(np.min(least))
+        raise InputError(
+            f"pose{index_of(bad)}: the legs bend between motors and platform, and what forces give at once "
+            f"is {worst:.2g} of what they would by legs that cannot bend, by the choice of shapes "
+            f"alone: take output=JointOutput(), the accelerations of the actuated joints, or "
+            f'legs="static", legs that bend with the load and do not swing, or allow_ill_posed=True'
+        )

@@ -1,0 +1,56 @@
+"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from parflex.base.array import Array, join, mv
+from parflex.mechanics.leg_terms import LegTerms
+from parflex.mechanics.system import System, in_carried_order, leg_accelerations, leg_pulls
+from parflex.robot.robot import Robot
+
+
+def stiffened(system: System) -> System:
+    """The system with ë = 0: the equations of the links' bend are replaced by it; itself for rigid legs."""
+    mechanism = system.mechanism
+    if not np.any(mechanism.bends):
+        return system
+    stiff = replace(mechanism, rows=mechanism.rows_stiff)
+    return system._replace(mechanism=stiff, legs=[stiffened_leg(leg) for leg in system.legs])
+
+
+def stiffened_leg(leg: LegTerms) -> LegTerms:
+    """The leg with A = [A_qq 0; 0 1], c = (c_q, 0), J = [J_q 0]."""
+    joints = of_joints(leg)
+    A = joints[:, None] * leg.A * joints + np.diag(1.0 - joints)
+    return leg._replace(A=A, c=leg.c * joints, J=leg.J * joints)
+
+
+def of_joints(leg: LegTerms) -> Array:
+    """(z,): 1 for the joints among a leg's coordinates z = (q, e), 0 for its bend."""
+    return np.repeat([1.0, 0.0], [leg.group.chain.n, leg.group.chain.size - leg.group.chain.n])
+
+
+def unbalanced(system: System, forces: Array, f: Array) -> Array:
+    """The excess of the links' bend over that which balances: K⁻¹ (A_eq q̈ + c_e + J_eᵀ f), under Γ (…, m)
+    and contact forces (…, 3k) of the stiffened system.
+
+    It is in the order of the coordinates that the state carries, and zero for joints; for shapes without
+    stiffness it is the force itself.
+    """
+    found = []
+    moved = zip(leg_accelerations(stiffened(system), forces, f), leg_pulls(system, f), strict=True)
+    for leg, (zdd, pull) in zip(system.legs, moved, strict=True):
+        rest = mv(leg.A, zdd) + leg.c + pull
+        found.append(rest * (1.0 - of_joints(leg)) / yielding(leg, system.mechanism.robot))
+    return in_carried_order(system, found)
+
+
+def yielding(leg: LegTerms, robot: Robot) -> Array:
+    """The stiffness (L, z) of the links' shapes; 1 where there is none, and of joints."""
+    group, parts = leg.group, [np.ones((len(leg.group.legs), leg.group.chain.n))]
+    for j, link in enumerate(group.chain.links):
+        if link is not None:
+            bodies = [robot.legs[number].joints[j].body for number in group.legs]
+            parts.append(link.stiffness + [body.stiffness == 0 for body in bodies if body is not None])
+    return join(parts)
