@@ -2,6 +2,7 @@
 
 import numpy as np
 
+import flexlegs
 import parflex as pf
 from measures import random_states, relative
 from parflex.views.sketch import sketch
@@ -39,3 +40,21 @@ def test_pictures_of_bent_and_rigid_robots(model_of, tmp_path):
         state = random_states(model.robot, 1, seed=4)[0]
         pf.plot.robot_at(sketch(model, state), "title").savefig(tmp_path / f"{modes}.png")
         assert (tmp_path / f"{modes}.png").stat().st_size > 10_000
+
+
+def test_bent_legs_are_scaled_from_straight_ones():
+    """Each point of a line by the same factor as the platform, against the robot of which nothing is bent."""
+    robot, state = flexlegs.robot("gs_flexlegs"), flexlegs.states("gs_flexlegs")[0]
+    model = pf.Model(robot, "numpy")
+    straight = sketch(model, pf.State(state.position, state.rotation), scale=1.0)
+    once, thrice = (sketch(model, state, scale=scale) for scale in (1.0, 3.0))
+    assert relative(thrice.lines - straight.lines, 3.0 * (once.lines - straight.lines)) < 1e-12
+    assert (
+        relative(
+            thrice.lines[:, -1],
+            thrice.attachments[[tip.attachment for leg in robot.legs for tip in leg.tips]],
+        )
+        < 1e-12
+    )
+    assert len(once.joints) == 6 * 4  # two hinges, a slide and a tip
+    assert len(once.motors) == 6

@@ -13,7 +13,7 @@ E_Z = np.array([0.0, 0.0, 1.0])
 def inertia_matrix(chain: Chain, frame: Frames) -> Array:
     """A (…, L, n + ΣN, n + ΣN) by composite links: each joint moves all that hangs on it as one body, and
     each shape what hangs on the seats of its link."""
-    n, flexible = chain.n, [j for j, modes in enumerate(chain.modes) if modes]
+    n, flexible = chain.n, [j for j, link in enumerate(chain.links) if link is not None]
     row_of = {j: n + i for i, j in enumerate(flexible)}
     M = [mass(chain, j) for j in range(n)]
     MS = [first_moment(chain, frame, j) for j in range(n)]

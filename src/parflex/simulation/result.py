@@ -24,7 +24,12 @@ STATE = {  # the instants and the variables of states, with their dimensions bes
     "elastic": ("mode",),
     "elastic_rate": ("mode",),
 }
-JOINTS = {name: ("leg", "joint_number") for name in ("joint", "joint_rate")}  # where a result tells them
+LEGS = {  # the variables of states that a result may tell of its legs, and where a state has them
+    "joint": ("joints", "joint_number"),
+    "joint_rate": ("joint_rates", "joint_number"),
+    "leg_elastic": ("leg_elastic", "leg_mode"),
+    "leg_elastic_rate": ("leg_elastic_rate", "leg_mode"),
+}
 
 
 class Result:
@@ -50,7 +55,7 @@ class Result:
         return bool(self.stopped)
 
     def state(self, index: int) -> State:
-        """The state at an output time, with the legs' joints; negative numbers count from the end.
+        """The state at an output time, with joints and bending of legs; negative numbers count from the end.
 
         Raises InputError where there is no such time.
         """
@@ -59,9 +64,9 @@ class Result:
             raise InputError(f"index is {index!r}; this result has {count} times, 0 … {count - 1}")
         at = self.dataset.isel(time=index)
         arrays: dict[str, Any] = {name: at[name].values for name in STATE if name != "time"}
-        for name in JOINTS:
+        for name, (field, _) in LEGS.items():
             if name in at:
-                arrays[f"{name}s"] = tuple(row[np.isfinite(row)] for row in at[name].values)
+                arrays[field] = tuple(row[np.isfinite(row)] for row in at[name].values)
         return State(**arrays)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
@@ -101,7 +106,7 @@ def load_result(path: str | os.PathLike[str]) -> Result:
             f"{path} is no result of this version of parflex (format "
             f"{dataset.attrs.get('format')!r}, expected {FORMAT!r})"
         )
-    known = STATE | {name: dims for name, dims in JOINTS.items() if name in dataset}
+    known = STATE | {name: ("leg", dim) for name, (_, dim) in LEGS.items() if name in dataset}
     unfit = [name for name, dims in known.items() if not is_state(dataset, name, dims)]
     if unfit or "stopped" not in dataset.attrs:
         lost = ", ".join(unfit) or "the word how the run ended"

@@ -68,6 +68,15 @@ def deformation(data: xr.Dataset) -> Iterator[Fact]:
     yield Fact("largest deformation at an attachment", 1e3 * longest(data["attachment_deformation"]), "mm")
 
 
+def leg_deformation(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest displacement of a leg's points by bending, and whose it is."""
+    moved = np.linalg.norm(data["leg_deformation"].values, axis=-1).max(axis=(0, 2), initial=0.0)
+    if moved.size:
+        worst = int(np.argmax(moved))
+        leg = f"leg {int(data['path_leg'].values[worst])}" if "path_leg" in data else ""
+        yield Fact("largest displacement of a leg by bending", 1e3 * float(moved[worst]), "mm", leg)
+
+
 def balance(data: xr.Dataset) -> Iterator[Fact]:
     """The residual of the energies' balance over the largest change of an energy or work."""
     terms: list[Array] = [data[term.name].values for term in LEDGER if term.name in data]
@@ -87,5 +96,6 @@ FIGURES: dict[str, Callable[[xr.Dataset], Iterator[Fact]]] = {  # by the variabl
     "forces": actuator_force,
     "contact_forces": contact_force,
     "attachment_deformation": deformation,
+    "leg_deformation": leg_deformation,
     RESIDUAL.name: balance,
 }

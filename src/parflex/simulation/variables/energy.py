@@ -27,10 +27,10 @@ LEDGER = (
         "potential energy of weight, zero at the world's origin",
         lambda run: run.energies.gravity,
     ),
-    term("strain", "strain energy of the platform", lambda run: run.energies.strain),
+    term("strain", "strain energy of the platform and of flexible links", lambda run: run.energies.strain),
     term(
         "springs",
-        "energy of the joints' springs",
+        "energy of springs at joints and of flexures at tips",
         lambda run: run.energies.springs + 0.0 * run.t,
     ),
     term("dissipated", "energy dissipated by damping and friction", lambda run: run.run.works[:, 2]),

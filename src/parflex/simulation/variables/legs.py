@@ -1,10 +1,11 @@
 """The legs: their joints, and what a picture of them needs."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.mechanics.paths import deformation
 from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
 
@@ -14,6 +15,22 @@ def side_by_side(values: Sequence[Array], count: int) -> Array:
     width = max((q.shape[-1] for q in values), default=0)
     padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in values]
     return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
+
+
+def of_flexible(values: Callable[[Recorded], Array]) -> Callable[[Recorded], Array | None]:
+    """The function of a run that gives a function of the legs' bending, where links are flexible."""
+
+    def of(run: Recorded) -> Array | None:
+        return values(run) if any(run.mechanism.layout.elastic) else None
+
+    return of
+
+
+def links_of_modes(run: Recorded) -> Array:
+    """(legs, N) the number of the link of each elastic coordinate, from 1; 0 where a leg has fewer."""
+    rows = [np.repeat(np.arange(1, len(leg.joints) + 1), leg.modes) for leg in run.robot.legs]
+    width = max(len(row) for row in rows)
+    return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
 
 
 def stations(run: Recorded) -> Array:
@@ -42,13 +59,41 @@ LEG_VARIABLES = (
         lambda run: side_by_side(run.joints.qd, len(run.t)),
     ),
     Variable(
+        "leg_elastic",
+        ("time", "leg", "leg_mode"),
+        "kg0.5 m",
+        "elastic coordinates of the legs, link by link",
+        of_flexible(lambda run: side_by_side(run.leg_elastic[0], len(run.t))),
+    ),
+    Variable(
+        "leg_elastic_rate",
+        ("time", "leg", "leg_mode"),
+        "kg0.5 m s-1",
+        "elastic rates of the legs",
+        of_flexible(lambda run: side_by_side(run.leg_elastic[1], len(run.t))),
+    ),
+    Variable(
+        "leg_mode_link",
+        ("leg", "leg_mode"),
+        "1",
+        "link of the elastic coordinate, from 1; 0 where a leg has fewer of them",
+        of_flexible(links_of_modes),
+    ),
+    Variable(
         "leg_path",
         ("time", "path", "station", "axis"),
         "m",
-        "points of the legs in the world, from base through the joints to a tip",
+        "points of the legs in the world, from base through the joints, along bent links, to a tip",
         lambda run: run.paths.points,
         missed="the legs' points",
         pictured=True,
+    ),
+    Variable(
+        "leg_deformation",
+        ("time", "path", "station", "axis"),
+        "m",
+        "displacement of these points by the bending of links and platform, in the world",
+        of_flexible(lambda run: deformation(run.system, run.paths)),
     ),
     Variable(
         "leg_axis",
@@ -62,7 +107,7 @@ LEG_VARIABLES = (
         "leg_station",
         ("path", "station"),
         "1",
-        "base, R or P for a joint, with a star where there is a motor, or tip",
+        "base, R or P for a joint, with a star where there is a motor, link between joints, or tip",
         stations,
         missed="the kinds of the joints",
         text=True,

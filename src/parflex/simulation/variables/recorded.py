@@ -41,6 +41,13 @@ class Recorded:
         return joints_of(self.system)
 
     @cached_property
+    def leg_elastic(self) -> tuple[tuple[Array, ...], tuple[Array, ...]]:
+        """Elastic coordinates of the legs and their rates, (T, N_i) for each leg."""
+        places = self.mechanism.layout.by_leg[1]
+        e, ed = (tuple(s[:, at] for at in places) for s in (self.state.s, self.state.sd))
+        return e, ed
+
+    @cached_property
     def paths(self) -> Paths:
         """The legs as points and axes in the world."""
         return leg_paths(self.system)

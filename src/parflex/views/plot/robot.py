@@ -21,8 +21,8 @@ def robot_at(sketch: Sketch, title: str = "") -> Figure:
     for leg, line in dict(zip(sketch.legs, sketch.lines, strict=True)).items():
         ax.scatter(*line[0], s=28, color="0.15", marker="s", depthshade=False, zorder=1)
         ax.text(*line[0], f" {leg}", fontsize=8, va="top", zorder=3)
-    if len(sketch.lines):
-        ax.scatter(*sketch.lines[:, 1:].reshape(-1, 3).T, s=12, color="0.25", depthshade=False, zorder=1)
+    if len(sketch.joints):
+        ax.scatter(*sketch.joints.T, s=12, color="0.25", depthshade=False, zorder=1)
     if len(sketch.motors):
         ax.scatter(*sketch.motors.T, s=26, color=COLOURS[1], depthshade=False, zorder=3, label="motor")
         ax.legend(loc="upper left", frameon=False, fontsize=8)
@@ -32,7 +32,7 @@ def robot_at(sketch: Sketch, title: str = "") -> Figure:
             *np.vstack([sketch.attachments, sketch.attachments[:1]]).T, color=COLOURS[0], lw=1.5, zorder=2
         )
     frame_axes(ax, np.vstack([sketch.lines.reshape(-1, 3), sketch.nodes]))
-    bent = f"deformation × {sketch.scale:.0f}" if sketch.bend.any() else ""
+    bent = f"deformation × {sketch.scale:.0f}" if sketch.scale != 1.0 else ""
     ax.set_title(", ".join(filter(None, (title, bent))), fontsize=9, y=0.98)
     return fig
 
