@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import flexlegs
 import parflex as pf
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -228,6 +229,42 @@ def test_playing_goes_on_and_pausing_stops(page):
     page.tell(TWO_FRAMES)
     assert page.tell("parflex.state.time") == stopped
     page.page.locator("#speed").select_option("1")
+
+
+TUBES = """() => parflex.parts.filter(p => p.kind === "tube").map(p => {
+  const {position, normal} = p.ids[0].geometry.attributes;
+  return {from: p.from, to: p.to, width: p.width, ring: [...position.array], normal: [...normal.array]};
+})"""
+
+
+@pytest.mark.parametrize("modes", [None, ()], ids=["bending platform", "rigid platform"])
+def test_legs_bend_with_the_slider(open_page, tmp_path, modes):
+    """The middles of the drawn tubes' rings, against the legs' points moved by their deformation so many
+    times; their rings are round and across the axis."""
+    robot = flexlegs.robot("gs_flexlegs")
+    platform = robot.platform if modes is None else robot.platform.with_modes(modes)
+    model = pf.Model(pf.Robot(robot.legs, platform, robot.gravity, robot.home_pose))
+    state = pf.State(*robot.home_pose, leg_elastic=flexlegs.states("gs_flexlegs")[0].leg_elastic)
+    run = pf.simulate(model, np.zeros(6), state, np.linspace(0, 0.01, 6), rtol=1e-6)
+    page = open_page(pf.view(run).save(tmp_path / "page.html").as_uri()).ready()
+    page.tell("(t) => parflex.go(t)", 0.004)
+    data = run.dataset.isel(time=2)
+    for _ in range(2):
+        scale = page.tell("parflex.state.scale")
+        points = data["leg_path"].values + (scale - 1) * data["leg_deformation"].values
+        tubes = page.tell(TUBES)
+        assert len(tubes) == 12
+        for tube in tubes:
+            rings = np.reshape(tube["ring"], (tube["to"] - tube["from"] + 1, -1, 3))
+            curve = points.reshape(-1, 3)[tube["from"] : tube["to"] + 1]
+            assert np.allclose(rings.mean(axis=1), curve, rtol=0, atol=1e-6)
+            spokes = np.linalg.norm(rings - curve[:, None], axis=-1)
+            assert np.allclose(spokes, tube["width"], rtol=0, atol=1e-6)
+            assert np.allclose(np.linalg.norm(np.reshape(tube["normal"], (-1, 3)), axis=-1), 1, atol=1e-6)
+        page.page.locator("#scale").fill(str(page.tell("parflex.meta.scales.length") - 6))
+    assert page.tell("parflex.state.scale") == 300
+    page.keep(f"flexible_legs_{platform.modes}")
+    assert page.complaints == []
 
 
 @pytest.mark.slow

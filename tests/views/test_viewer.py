@@ -8,10 +8,11 @@ import xarray as xr
 
 import parflex as pf
 import solid_plates
+from parflex.mechanics.paths import shares
 from parflex.views.viewer.layout import KNOWN
 from parflex.views.viewer.opening import ESSENTIAL, MISSED, judged
 from parflex.views.viewer.page import packed, page_of
-from parflex.views.viewer.parts import Legs, legs_of, parts_of, shares
+from parflex.views.viewer.parts import Legs, legs_of, parts_of
 from parflex.views.viewer.scene import MOST_INSTANTS, scene_of
 from parflex.views.viewer.solids import ball, cone, cylinder, drum
 

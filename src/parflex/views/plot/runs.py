@@ -28,6 +28,7 @@ def over_time(result: "Result") -> dict[str, Figure]:
         "Accelerations": (accelerations, {"acceleration", "acceleration_error"}),
         "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
         "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
+        "Bending of the legs": (leg_deformation, {"leg_deformation", "path_leg"}),
         "Energy balance": (energy, {*CURVES, RESIDUAL}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
@@ -114,6 +115,23 @@ def attachment_deformation(result: "Result") -> Figure:
     note = f"; none along {' and '.join(still)}" if still else ""
     panels[0].set_title(f"Deformation at the attachment points, in platform axes{note}")
     time_label(panels[-1])
+    return fig
+
+
+def leg_deformation(result: "Result") -> Figure:
+    """The largest displacement of each leg's points by the bending of links and platform."""
+    data = result.dataset["leg_deformation"]
+    legs = result.dataset["path_leg"].values
+    every = np.linalg.norm(data.values, axis=-1).max(axis=-1)
+    fig = figure(7.0, 3.4)
+    ax = fig.subplots()
+    each = [every[:, legs == leg].max(axis=1) for leg in np.unique(legs)]
+    moved = data.isel(station=0, axis=0, drop=True).isel(path=slice(len(each))).copy(data=np.stack(each, -1))
+    curves(ax, moved, "path", [f"leg {leg}" for leg in np.unique(legs)], 1e3)
+    ax.set_ylabel("largest displacement (mm)")
+    time_label(ax)
+    legend_right(ax)
+    ax.set_title("Bending of the legs")
     return fig
 
 

@@ -119,7 +119,7 @@ def facts(data: xr.Dataset) -> dict[str, str]:
     scope = {name: fact.value for name, fact in scope_of(data).items()}
     found = {"duration": f"{scope['duration']:.6g} s, {scope['instants']} instants"}
     if "leg_station" in data:
-        words = ["".join(w for w in row[1:] if w and w != "tip") for row in data["leg_station"].values]
+        words = ["".join(w for w in row if w[:1] in ("R", "P")) for row in data["leg_station"].values]
         kinds = ", ".join(sorted(set(words)))
         found["legs"] = f"{scope['legs']}: {kinds} (* driven), spherical at the tip"
     if "motors" in scope:

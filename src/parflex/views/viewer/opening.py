@@ -19,7 +19,7 @@ ESSENTIAL = ("position", "rotation")  # without these there is no robot to draw
 TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
 
 MISSED = {each.name: each.missed for each in KNOWN if each.missed}  # in words
-PER_INSTANT = tuple(each.name for each in KNOWN if each.missed and each.changes)
+PER_INSTANT = (*(each.name for each in KNOWN if each.missed and each.changes), "leg_deformation")
 
 
 class Opened(NamedTuple):

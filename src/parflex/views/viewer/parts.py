@@ -6,7 +6,8 @@ import numpy as np
 import xarray as xr
 
 from parflex.base.array import Array
-from parflex.views.viewer.solids import Solid, ball, cone, cylinder, drum
+from parflex.mechanics.paths import LINK
+from parflex.views.viewer.solids import Solid, ball, cone, cylinder, drum, tube
 
 STEEL, DARK, MOTOR, FORCE = 0x9AA5B1, 0x525E6B, 0xD55E00, 0x009E73
 
@@ -28,7 +29,7 @@ class Legs(NamedTuple):
 
     points: Array  # (T, P, S, 3) m in the world
     axes: Array  # (T, P, S, 3)
-    words: Array  # (P, S): base, R or P for a joint, with a star where there is a motor, tip, or empty
+    words: Array  # (P, S): base, R or P for a joint, with a star where there is a motor, link, tip, or empty
     owners: Array  # (P,), the leg of each path
     width: float  # m, the radius of a rod
 
@@ -56,6 +57,8 @@ def parts_of(legs: Legs) -> list[Part]:
 def station(legs: Legs, p: int, s: int) -> list[Part]:
     """The parts that stand at a station, and those that lead to it."""
     word = str(legs.words[p, s])
+    if word == LINK:
+        return [] if legs.words[p, s - 1] == LINK else [bent_link(legs, p, s)]
     if word == "base":
         return [] if slides(legs, p, s + 1) else [pedestal(legs, p)]
     if word == "tip":
@@ -65,6 +68,8 @@ def station(legs: Legs, p: int, s: int) -> list[Part]:
         return [*rod(legs, p, s), pin(legs, p, s, colour)]
     if s == 1:
         return [rail(legs, p, s), solid(legs, p, s, drum(), colour, 2.6)]
+    if legs.words[p, s - 1] == LINK:  # the tube of the bent cylinder is there
+        return [*rod(legs, p, s), solid(legs, p, s, drum(), colour, 1.4)]
     return [*rod(legs, p, s), *sleeve(legs, p, s, colour)]
 
 
@@ -94,11 +99,28 @@ def distance(legs: Legs, p: int, s: int) -> Array:
 
 
 def rod(legs: Legs, p: int, s: int) -> list[Part]:
-    """The rod from the station before to this one, where they are apart."""
+    """The rod from the station before to this one, where they are apart and no bent link leads there."""
+    if legs.words[p, s] == "tip" and legs.words[p, s - 1] == LINK:
+        return []
     if np.max(distance(legs, p, s), initial=0.0) < 0.5 * legs.width:
         return []
     moves = {"kind": "link", "from": index(legs, p, s - 1), "to": index(legs, p, s), "width": legs.width}
     return [Part((cylinder(),), STEEL, moves)]
+
+
+def bent_link(legs: Legs, p: int, s: int) -> Part:
+    """A flexible link as a tube along its bent axis; the cylinder of a telescope is wider, in the joint's
+    colour."""
+    row, last = legs.words[p], s
+    while row[last + 1] == LINK:
+        last += 1
+    following = str(row[last + 1])
+    telescope = following.startswith("P")
+    last += following == "tip"
+    colour = (MOTOR if following.endswith("*") else DARK) if telescope else STEEL
+    width = (1.8 if telescope else 1.0) * legs.width
+    moves = {"kind": "tube", "from": index(legs, p, s - 1), "to": index(legs, p, last), "width": width}
+    return Part((tube(last - s + 2),), colour, moves)
 
 
 def sleeve(legs: Legs, p: int, s: int, colour: int) -> list[Part]:
@@ -147,10 +169,3 @@ def rail(legs: Legs, p: int, s: int) -> Part:
 def arrow(attachment: int, width: float) -> Part:
     """A force at an attachment: shaft and head."""
     return Part((cylinder(), cone()), FORCE, {"kind": "arrow", "at": attachment, "width": width})
-
-
-def shares(points: Array) -> Array:
-    """The share of its path at which each station is, (T, P, S) from 0 to 1."""
-    steps = np.linalg.norm(np.diff(points, axis=-2, prepend=points[..., :1, :]), axis=-1)
-    way = np.cumsum(steps, axis=-1)
-    return np.asarray(way / np.maximum(way[..., -1:], 1e-300))

@@ -6,10 +6,11 @@ import numpy as np
 import xarray as xr
 
 from parflex.base.array import Array
+from parflex.mechanics.paths import shares
 from parflex.views.sketch import SHOWN
 from parflex.views.viewer.colours import Colouring, colourings_of
 from parflex.views.viewer.opening import ESSENTIAL, PER_INSTANT, Opened
-from parflex.views.viewer.parts import Legs, Part, arrow, legs_of, parts_of, shares
+from parflex.views.viewer.parts import Legs, Part, arrow, legs_of, parts_of
 
 MOST_INSTANTS = 2000  # more than a screen has columns for the timeline
 ARROW = 0.45  # of the platform's size: the longest force
@@ -52,7 +53,8 @@ def scene_of(result: Opened) -> Scene | None:
     parts = [*(parts_of(legs) if legs else []), *arrows(data, body.size)]
     arrays = arrays_of(data, body, legs, elastic)
     meta = timing(arrays["time"]) | sizes(data, legs) | modes_of(data, body, colourings)
-    meta |= {"scale": scale_of(body, elastic), "metresPerNewton": metres_per_newton(data, body.size)}
+    meta |= {"scale": scale_of(body, elastic, arrays), "metresPerNewton": metres_per_newton(data, body.size)}
+    meta["bends"] = bool(len(body.shapes)) or "leg_deformation" in arrays
     meta["scales"] = sorted({*SCALES, meta["scale"]})
     return Scene(body, colourings, parts, arrays, meta, bounds_of(data, body, legs))
 
@@ -124,9 +126,10 @@ def metres_per_newton(data: xr.Dataset, size: float) -> float:
     return ARROW * size / largest if largest > 0 else 0.0
 
 
-def scale_of(body: Platform, elastic: Array) -> float:
+def scale_of(body: Platform, elastic: Array, arrays: dict[str, Array]) -> float:
     """The factor, of two digits, that makes the run's largest deformation 8 % of the platform's size."""
-    largest = largest_bend(body.shapes, elastic)
+    bent = np.linalg.norm(arrays.get("leg_deformation", np.zeros(3)), axis=-1)
+    largest = max(largest_bend(body.shapes, elastic), float(np.max(bent, initial=0.0)))
     return float(f"{SHOWN * body.size / largest:.2g}") if largest > 1e-12 else 1.0
 
 
@@ -143,11 +146,11 @@ def arrays_of(data: xr.Dataset, body: Platform, legs: Legs | None, elastic: Arra
     """All numbers of the page, in single precision when they are written."""
     arrays = {name: data[name].values for name in PER_INSTANT if name in data}
     arrays |= {"time": data["time"].values, "nodes": body.nodes, "shapes": body.shapes, "elastic": elastic}
-    if legs:
+    if not legs:
+        for name in ("leg_path", "leg_axis", "leg_deformation"):
+            arrays.pop(name, None)
+    elif "leg_deformation" not in arrays:
         arrays["leg_share"] = shares(legs.points)
-    else:
-        arrays.pop("leg_path", None)
-        arrays.pop("leg_axis", None)
     if body.stress is not None:
         arrays["stress"] = body.stress
     return arrays

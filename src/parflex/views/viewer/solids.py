@@ -40,6 +40,19 @@ def ball() -> Solid:
     return made._replace(normals=made.vertices)
 
 
+def tube(rings: int) -> Solid:
+    """An open tube of rings that the page puts along a curve, here of radius 1 about z from 0 to 1."""
+    angle = np.arange(SIDES) * 2 * np.pi / SIDES
+    circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SIDES)], axis=-1)
+    heights = np.linspace(0, 1, rings)[:, None, None] * np.array([0.0, 0.0, 1.0])
+    i, following = np.arange(SIDES), (np.arange(SIDES) + 1) % SIDES
+    band = np.concatenate(
+        [np.stack([i, following, i + SIDES], -1), np.stack([following, following + SIDES, i + SIDES], -1)]
+    )
+    faces = np.concatenate([band + SIDES * ring for ring in range(rings - 1)])
+    return Solid((circle + heights).reshape(-1, 3), np.tile(circle, (rings, 1)), faces)
+
+
 def lathe(profile: list[tuple[float, float]]) -> Solid:
     """The surface that (radius, height) points, from below to above, draw as they turn about z, with an
     edge at each."""

@@ -41,6 +41,7 @@ function values(name, { i, j, f }) {
 // --- vectors
 
 const add = (a, b, s = 1) => [a[0] + s * b[0], a[1] + s * b[1], a[2] + s * b[2]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const norm = (a) => Math.hypot(a[0], a[1], a[2]);
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const row3 = (all, k) => [all[3 * k], all[3 * k + 1], all[3 * k + 2]];
@@ -65,6 +66,26 @@ function along(object, place, direction, width, length) {
   const x = unit(cross(Math.abs(z[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], z));
   const y = cross(z, x);
   put(object, [x.map((c) => width * c), y.map((c) => width * c), z.map((c) => length * c)], place);
+}
+
+// rings of radius `width` about a curve, across it; one at a point that is there twice is as the one before
+function sweep(geometry, curve, width) {
+  const position = geometry.attributes.position, normal = geometry.attributes.normal;
+  const sides = position.count / curve.length, chord = unit(add(curve.at(-1), curve[0], -1));
+  const x = unit(cross(Math.abs(chord[2]) < 0.9 ? [0, 0, 1] : [1, 0, 0], chord));
+  curve.forEach((point, k) => {
+    const way = add(curve[Math.min(k + 1, curve.length - 1)], curve[Math.max(k - 1, 0)], -1);
+    const z = norm(way) > 0 ? unit(way) : chord, u = unit(add(x, z, -dot(x, z))), v = cross(z, u);
+    for (let s = 0; s < sides; s++) {
+      const angle = (2 * Math.PI * s) / sides;
+      const out = add(u.map((c) => c * Math.cos(angle)), v, Math.sin(angle));
+      position.setXYZ(k * sides + s, ...add(point, out, width));
+      normal?.setXYZ(k * sides + s, ...out);
+    }
+  });
+  position.needsUpdate = true;
+  if (normal) normal.needsUpdate = true;
+  geometry.computeBoundingSphere();
 }
 
 // --- the platform: modes times their coordinates
@@ -131,7 +152,12 @@ function range(largest) {
 // --- the legs and the forces
 
 function stretchedPaths(now, R, scale) {
-  const points = values("leg_path", now), share = values("leg_share", now);
+  const points = values("leg_path", now);
+  if (array.leg_deformation) {
+    const bent = values("leg_deformation", now);
+    return points.map((c, k) => c + (scale - 1) * bent[k]);
+  }
+  const share = values("leg_share", now);
   const bend = values("attachment_deformation", now);
   for (let p = 0; p < meta.paths; p++) {
     const more = turned(R, row3(bend, meta.ends[p])).map((c) => (scale - 1) * c);
@@ -147,6 +173,11 @@ const placers = {
   link(part, points) {
     const from = row3(points, part.from), way = add(row3(points, part.to), from, -1);
     along(part.ids[0], from, way, part.width, part.length ?? Math.max(norm(way), 1e-9));
+  },
+  tube(part, points) {
+    const curve = [];
+    for (let k = part.from; k <= part.to; k++) curve.push(row3(points, k));
+    sweep(part.ids[0].geometry, curve, part.width);
   },
   pin(part, points, axes) {
     const axis = unit(row3(axes, part.at));
@@ -198,19 +229,21 @@ function draw() {
   }
   const bend = drawPlatform(place, R, q, scale, largest);
   K3D.render();
-  tell(bend, largest);
+  tell(alone ? [bend] : [bend, array.leg_deformation ? values("leg_deformation", now) : []], largest);
   state.frames += 1;
   state.firstPicture ??= performance.now();
 }
 
-function tell(bend, largest) {
+function tell(bends, largest) {
   let most = 0;
-  for (let n = 0; n < bend.length; n += 3) most = Math.max(most, Math.hypot(bend[n], bend[n + 1], bend[n + 2]));
+  for (const bend of bends) {
+    for (let n = 0; n < bend.length; n += 3) most = Math.max(most, Math.hypot(bend[n], bend[n + 1], bend[n + 2]));
+  }
   const alone = state.mode > 0;
   element("clock").textContent = alone
     ? `mode ${state.mode}: ${meta.frequencies[state.mode - 1]}`
     : `t = ${state.time.toFixed(meta.digits)} s`;
-  element("largest").textContent = alone || !meta.modes ? "" : `largest deformation ${(1e3 * most).toFixed(2)} mm`;
+  element("largest").textContent = alone || !meta.bends ? "" : `largest deformation ${(1e3 * most).toFixed(2)} mm`;
   element("slider").value = state.time;
   const part = (state.time - meta.start) / (meta.end - meta.start || 1);
   for (const cursor of document.querySelectorAll(".cursor")) {
