@@ -4,6 +4,7 @@ import ctypes
 import re
 import shutil
 import subprocess
+from dataclasses import replace
 from functools import cache
 from pathlib import Path
 
@@ -15,7 +16,7 @@ import flexlegs
 import parflex as pf
 import rewriting
 from measures import relative
-from parflex.export.cases import magnitudes, sag
+from parflex.export.cases import leg_sag, magnitudes, sag
 from parflex.export.interface import routines
 from parflex.kernels import models as kernels
 from parflex.kernels.motion import derivative
@@ -56,14 +57,29 @@ def table() -> pf.Robot:
     return pf.Robot((*posts, jack), body)
 
 
+@cache
+def bent() -> pf.Robot:
+    """Struts that bend and twist, with flexures at their tips, under a rigid platform: without stretching,
+    the inverse model is a good one."""
+    robot = flexlegs.robot("gs_flexlegs")
+
+    def unstretched(leg: pf.Leg) -> pf.Leg:
+        *others, rod = leg.joints
+        return replace(leg, joints=(*others, replace(rod, body=rod.body.with_modes((0, 1, 2)))))
+
+    legs = [unstretched(leg) for leg in robot.legs]
+    return pf.Robot(legs, robot.platform.with_modes(()), robot.gravity, robot.home_pose)
+
+
 ROBOTS = {
     "gough_stewart": (cache(lambda: pf.robots.gough_stewart(modes=3)), pf.FrameOutput()),
     "delta": (cache(lambda: pf.robots.delta(modes=0)), pf.FrameOutput((0, 1, 2))),
     "carried": (lambda: carried().robot, carried().output),
     "mixed": (mixed, pf.FrameOutput()),
     "table": (table, pf.FrameOutput((4,))),
+    "bent": (bent, pf.FrameOutput()),
 }
-SLOWER = [pytest.param(name, marks=pytest.mark.slow) for name in ("gough_stewart", "mixed")]
+SLOWER = [pytest.param(name, marks=pytest.mark.slow) for name in ("gough_stewart", "mixed", "bent")]
 
 
 @pytest.fixture(scope="module")
@@ -146,11 +162,43 @@ def states(model, rng, count=4):
             rng.normal(0, 0.1, 6),
             sag(solvable(robot)) * rng.normal(size=robot.platform.modes),
             joints=start.joints,
+            leg_elastic=bend(solvable(robot), rng),
+            leg_elastic_rate=bend(solvable(robot), rng),
         )
         x = core_of(model).flat(model.project(moved))
         x[3:7] *= rng.uniform(0.5, 2.0)
         found.append(x)
     return found
+
+
+def bend(mechanism, rng):
+    """One array per leg, or None where all are rigid."""
+    if not any(mechanism.layout.elastic):
+        return None
+    s = leg_sag(mechanism) * rng.normal(size=mechanism.layout.carried)
+    return [s[place] for place in mechanism.layout.by_leg[1]]
+
+
+@compiled_here
+@pytest.mark.slow
+def test_state_of_flexible_legs_is_told(folder_of):
+    """Each entry of x once in the header; what is said to be of a leg is what the library has of it."""
+    header = (folder_of("bent") / "model.h").read_text()
+    rows = re.findall(r"^ \* x\[(\d+)(?: \.\. (\d+))?\] +(.*)$", header, re.MULTILINE)
+    told = {int(a): (int(b or a) + 1, words) for a, b, words in rows}
+    places = [(start, told[start][0]) for start in sorted(told)]
+    assert [start for start, _ in places] == [0, *(end for _, end in places[:-1])]
+    assert places[-1][1] == solvable(bent()).layout.size
+    bends = 1e-4 * np.arange(36.0).reshape(6, 6)
+    state = pf.State(*bent().home_pose, leg_elastic=list(bends))
+    x = core_of(pf.Model(bent(), "numpy")).flat(state)
+    for start, (end, words) in told.items():
+        if found := re.match(r"modal coordinates of leg (\d), kg\^1/2 m: 3 of link 2, 3 of link 3", words):
+            assert x[start:end].tolist() == bends[int(found[1]) - 1].tolist()
+    assert sum("modal coordinates of leg" in words for _, words in told.values()) == 12
+    readme = (folder_of("bent") / "README.md").read_text()
+    assert "a rigid platform, and 36 modes of the legs" in readme
+    assert "Modes of the legs: 75.7 …" in readme
 
 
 def call(library, routine, *inputs, outputs=None):
@@ -247,11 +295,12 @@ def test_nothing_is_allocated_or_kept(folder_of, name):
     }
     assert not re.search(r"^(const )?double ", code, flags=re.MULTILINE)
     called = set(re.findall(r"\b(\w+)\(", code))
-    known = {"sqrt", "sin", "cos", "fabs", "isfinite", "judged", "if", "for", "parflex_home"}
+    known = {"sqrt", "sin", "cos", "atan2", "fabs", "isfinite", "judged", "if", "for", "parflex_home"}
     assert called - known == {
         f"parflex_{r.kernel.name}" for r in routines(solvable(ROBOTS[name][0]()), ROBOTS[name][1])
     }
     assert ("sin" in called) == (name in ("carried", "mixed"))
+    assert ("atan2" in called) == (name == "bent")  # of springs on hinges
 
 
 def test_the_same_export_twice_is_the_same(tmp_path, folder_of):

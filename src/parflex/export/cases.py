@@ -9,6 +9,7 @@ from parflex.export.interface import Routine
 from parflex.mechanics import closure
 from parflex.mechanics.flat_state import projected, state_of
 from parflex.mechanics.mechanism import Mechanism
+from parflex.robot.body import FlexibleBody
 
 COUNT = 4
 MOVED = 0.02  # of the platform's size, and rad
@@ -62,6 +63,9 @@ def near(mechanism: Mechanism, x: Array, rng: np.random.Generator) -> Array:
     found = closure.displaced(mechanism, x, step)
     found[at.twist] = MOVING * rng.normal(size=6)
     found[at.elastic_rate] = MOVING * rng.normal(size=len(bend))
+    legs, moving = leg_sag(mechanism), MOVING * (leg_sag(mechanism) > 0)
+    found[at.joints] += legs * rng.normal(size=len(legs))
+    found[at.joint_rates] += moving * rng.normal(size=len(legs))
     try:
         return projected(mechanism, state_of(mechanism, found))
     except InputError:
@@ -70,7 +74,20 @@ def near(mechanism: Mechanism, x: Array, rng: np.random.Generator) -> Array:
 
 def sag(mechanism: Mechanism) -> Array:
     """Modal coordinates (N,) of the order of the bend under the platform's weight, and never large."""
-    body = mechanism.robot.platform
-    root, most = np.sqrt(body.moments.m), MOVED * mechanism.size
+    return sag_of(mechanism.robot.platform, MOVED * mechanism.size)
+
+
+def leg_sag(mechanism: Mechanism) -> Array:
+    """(n,) of the coordinates that the legs carry: of elastic ones their sag, of joints zero."""
+    found = np.zeros(mechanism.layout.carried)
+    for leg, place in zip(mechanism.robot.legs, mechanism.layout.by_leg[1], strict=True):
+        bodies = [joint.body for joint in leg.joints if joint.body is not None]
+        parts = [sag_of(body, MOVED * mechanism.size) for body in bodies]
+        found[place] = np.concatenate([np.zeros(0), *parts])
+    return found
+
+
+def sag_of(body: FlexibleBody, most: float) -> Array:
+    """Modal coordinates (N,) of the order of a body's bend under its weight, of at most so many metres."""
     period = np.diagonal(body.m_ee) / np.maximum(body.stiffness, 1e-300)
-    return root * np.minimum(GRAVITY * period, most)
+    return np.asarray(np.sqrt(body.moments.m) * np.minimum(GRAVITY * period, most))

@@ -32,7 +32,7 @@ def state_parts(mechanism: Mechanism) -> dict[str, tuple[int, int]]:
 def state(mechanism: Mechanism) -> Rows:
     """The entries of x."""
     at = state_parts(mechanism)
-    modes, joints, rates = at["ELASTIC"], at["JOINTS"][0], at["JOINT_RATES"][0]
+    modes = at["ELASTIC"]
     rows = [
         span("x", 0, 3, "position of the platform's origin, in world axes, m"),
         span("x", 3, 4, "quaternion w x y z that turns platform into world components, of any length but 0"),
@@ -41,15 +41,31 @@ def state(mechanism: Mechanism) -> Rows:
         span("x", *modes, "modal coordinates q_e of the platform, kg^1/2 m"),
         span("x", *at["ELASTIC_RATE"], "their rates, kg^1/2 m/s"),
     ]
-    legs = zip(mechanism.robot.legs, mechanism.layout.joints, strict=True)
-    for number, (leg, count) in enumerate(legs, start=1):
+    legs = zip(mechanism.robot.legs, *mechanism.layout.by_leg, strict=True)
+    for number, (leg, joints, elastic) in enumerate(legs, start=1):
         units = ", ".join(unit(joint, "rad", "m") for joint in leg.joints)
-        rows.append(span("x", joints, count, f"joints of leg {number}: {units}"))
-        rows.append(span("x", rates, count, f"their rates, joints of leg {number}"))
-        joints, rates = joints + count, rates + count
+        rows += carried(
+            at, joints, f"joints of leg {number}: {units}", f"their rates, joints of leg {number}"
+        )
+        bodies = ", ".join(f"{count} of link {j}" for j, count in enumerate(leg.modes, start=1) if count)
+        rows += carried(
+            at,
+            elastic,
+            f"modal coordinates of leg {number}, kg^1/2 m: {bodies}",
+            f"their rates, modal coordinates of leg {number}, kg^1/2 m/s",
+        )
     for i, bent in enumerate(mechanism.layout.branched):
         rows.append((f"x[{at['BRANCHES'][0] + i}]", f"assembly branch of leg {bent + 1}, +1 or -1"))
     return [row for row in rows if row[0]]
+
+
+def carried(at: dict[str, tuple[int, int]], place: slice, words: str, of_rates: str) -> Rows:
+    """Rows for coordinates of a leg at a place among all that are carried, and for their rates."""
+    count = place.stop - place.start
+    return [
+        span("x", at["JOINTS"][0] + place.start, count, words),
+        span("x", at["JOINT_RATES"][0] + place.start, count, of_rates),
+    ]
 
 
 def actuators(mechanism: Mechanism) -> Rows:

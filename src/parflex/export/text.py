@@ -54,12 +54,14 @@ def filled(name: str, words: dict[str, str]) -> str:
 def general(export: Export) -> dict[str, str]:
     """The words of all templates: counts, names and versions."""
     robot, modes = export.mechanism.robot, export.mechanism.platform.modes
+    platform = f"a platform with {modes} elastic modes" if modes else "a rigid platform"
+    of_legs = sum(export.mechanism.layout.elastic)
     return {
         "prefix": export.prefix,
         "PREFIX": export.prefix.upper(),
         "legs": str(len(robot.legs)),
         "forces": str(robot.n_forces),
-        "freedom": f"a platform with {modes} elastic modes" if modes else "a rigid platform",
+        "freedom": platform + (f", and {of_legs} modes of the legs" if of_legs else ""),
         "version": __version__,
         "casadi": casadi.__version__,
         "numpy": np.__version__,
@@ -122,12 +124,23 @@ def readme(export: Export) -> dict[str, str]:
         "library": "".join(f", `{name}`" for name in called),
         "stack": str(max(1, round(8 * most / 1000))),
         "target": tables.target(export.output),
-        "frequencies": frequencies(platform.frequencies, platform.damping_ratios),
+        "frequencies": frequencies(platform.frequencies, platform.damping_ratios) + legs_modes(mechanism),
         "state": table(tables.state(mechanism)),
         "health": table(tables.health(mechanism)),
         "actuators": table(tables.actuators(mechanism)),
         "projection": PROJECTION.format(export.prefix) if len(export.routines) > 3 else "",
     }
+
+
+def legs_modes(mechanism: Mechanism) -> str:
+    """A sentence on the frequencies of the flexible links, clamped at their joints; empty without any."""
+    legs = mechanism.robot.legs
+    bodies = [joint.body for leg in legs for joint in leg.joints if joint.body is not None]
+    omega = np.concatenate([np.zeros(0), *(body.frequencies for body in bodies)])
+    if not omega.size:
+        return ""
+    low, high = (f"{w / (2 * np.pi):.3g}" for w in (omega.min(), omega.max()))
+    return f". Modes of the legs: {low} … {high} Hz"
 
 
 PROJECTION = """
