@@ -115,6 +115,9 @@ def test_legs_of_fewer_modes_are_padded():
     assert np.all(np.isfinite(data["leg_elastic"].values[:, [0, 1, 2, 4, 5]]))
     assert data["leg_mode_link"].values[0].tolist() == [2, 2, 2, 3, 3, 3, 3]
     assert data["leg_mode_link"].values[3].tolist() == [3, 3, 3, 3, 0, 0, 0]
+    omega = robot.legs[0].joints[1].body.frequencies
+    assert data["leg_frequency"].values[0, :3].tolist() == omega.tolist()
+    assert not np.any(data["leg_frequency"].values[3, 4:])
     assert [len(e) for e in run.state(1).leg_elastic] == [7, 7, 7, 4, 7, 7]
 
 

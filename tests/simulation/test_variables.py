@@ -62,5 +62,6 @@ def test_each_variable_is_labelled_as_the_table_has_it(recorded, model_of):
         assert recorded[each.name].attrs["long_name"] == each.words
     assert {each.name for each in ALL_VARIABLES} - {each.name for each in held} == {
         "desired_position", "desired_rotation", "desired_acceleration", "acceleration_error", "pose_error",
-        "rigid_forces", "leg_elastic", "leg_elastic_rate", "leg_mode_link", "leg_deformation",
+        "rigid_forces", "leg_elastic", "leg_elastic_rate", "leg_mode_link", "leg_frequency",
+        "leg_deformation",
     }  # fmt: skip

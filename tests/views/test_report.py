@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import flexlegs
 import parflex as pf
 from parflex.views.report import report_of
 from parflex.views.report.checks import checks_of
@@ -121,3 +122,17 @@ def test_what_is_no_run_is_refused(run, saved, tmp_path):
         report_of(tmp_path / "cut.nc")
     with pytest.raises(pf.InputError, match=r"did you mean .*result\.nc"):
         report_of(tmp_path / "reslut.nc")
+
+
+def test_report_of_legs_that_bend(tmp_path):
+    """The frequencies of the links, once for legs that are alike, and how far the legs go."""
+    robot = flexlegs.robot("gs_flexlegs")
+    model = pf.Model(robot)
+    run = pf.simulate(model, np.zeros(6), robot.home, [0, 1e-3, 2e-3], rtol=1e-6)
+    text = report_of(run.save(tmp_path / "run.nc"))
+    assert "Modes of the legs" in text
+    assert "<td>1, 2, 3, 4, 5, 6</td><td>2</td><td>193.94, 193.94, 1252.9</td>" in text
+    moved = np.linalg.norm(run.dataset["leg_deformation"].values, axis=-1).max(axis=(0, 2))
+    worst = int(run.dataset["path_leg"].values[np.argmax(moved)])
+    assert f"{1e3 * moved.max():.5g} mm (leg {worst})" in text
+    assert "6: RRP* (* driven)" in text

@@ -27,10 +27,20 @@ def of_flexible(values: Callable[[Recorded], Array]) -> Callable[[Recorded], Arr
 
 
 def links_of_modes(run: Recorded) -> Array:
-    """(legs, N) the number of the link of each elastic coordinate, from 1; 0 where a leg has fewer."""
-    rows = [np.repeat(np.arange(1, len(leg.joints) + 1), leg.modes) for leg in run.robot.legs]
-    width = max(len(row) for row in rows)
-    return np.stack([np.pad(row, (0, width - len(row))) for row in rows])
+    """(legs, N) the number of the link of each elastic coordinate, from 1."""
+    return rows_of([np.repeat(np.arange(1, len(leg.joints) + 1), leg.modes) for leg in run.robot.legs])
+
+
+def frequencies(run: Recorded) -> Array:
+    """(legs, N) rad/s."""
+    bodies = [[joint.body for joint in leg.joints if joint.body is not None] for leg in run.robot.legs]
+    return rows_of([np.concatenate([np.zeros(0), *(body.frequencies for body in leg)]) for leg in bodies])
+
+
+def rows_of(legs: Sequence[Array]) -> Array:
+    """One (N_i,) per leg as (legs, N); 0 where a leg has fewer."""
+    width = max(len(row) for row in legs)
+    return np.stack([np.pad(row, (0, width - len(row))) for row in legs])
 
 
 def stations(run: Recorded) -> Array:
@@ -78,6 +88,13 @@ LEG_VARIABLES = (
         "1",
         "link of the elastic coordinate, from 1; 0 where a leg has fewer of them",
         of_flexible(links_of_modes),
+    ),
+    Variable(
+        "leg_frequency",
+        ("leg", "leg_mode"),
+        "rad s-1",
+        "natural frequency of the link, clamped at its joint and free; 0 where a leg has fewer",
+        of_flexible(frequencies),
     ),
     Variable(
         "leg_path",

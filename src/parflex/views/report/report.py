@@ -71,6 +71,7 @@ def contents(result: Opened, source: Path) -> dict[str, Any]:
         "numbers": numbers(data),
         "picture": robot_picture(data),
         "modes": modes(data),
+        "leg_modes": leg_modes(data),
         "shapes": picture(plot.shapes_of(as_result(data))) if drawable(data) else "",
         "figures": {words: picture(fig) for words, fig in plot.over_time(as_result(data)).items()},
         "ledger": ledger(data),
@@ -147,6 +148,19 @@ def modes(data: xr.Dataset) -> list[tuple[str, ...]]:
         (str(k), f"{omega:.2f}", f"{omega / (2 * np.pi):.2f}", f"{zeta:.3g}")
         for k, (omega, zeta) in enumerate(pairs, start=1)
     ]
+
+
+def leg_modes(data: xr.Dataset) -> list[tuple[str, ...]]:
+    """Legs, link and frequencies in Hz of flexible links; legs that are alike stand together."""
+    if not {"leg_mode_link", "leg_frequency"} <= set(data):
+        return []
+    alike: dict[tuple[int, str], list[str]] = {}
+    pairs = zip(data["leg_mode_link"].values, data["leg_frequency"].values / (2 * np.pi), strict=True)
+    for leg, (links, found) in enumerate(pairs, start=1):
+        for link in np.unique(links[links > 0]):
+            words = ", ".join(f"{hertz:.5g}" for hertz in found[links == link])
+            alike.setdefault((int(link), words), []).append(str(leg))
+    return [(", ".join(legs), str(link), words) for (link, words), legs in alike.items()]
 
 
 def ledger(data: xr.Dataset) -> list[tuple[str, ...]]:
