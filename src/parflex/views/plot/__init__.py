@@ -7,6 +7,7 @@ from parflex.views.plot.runs import (
     actuator_forces,
     attachment_deformation,
     energy,
+    leg_deformation,
     origin_deformation,
     over_time,
 )
@@ -20,6 +21,7 @@ __all__ = [
     "energy",
     "figure",
     "frequency_table",
+    "leg_deformation",
     "mode_shapes",
     "origin_deformation",
     "over_time",

@@ -119,7 +119,11 @@ def attachment_deformation(result: "Result") -> Figure:
 
 
 def leg_deformation(result: "Result") -> Figure:
-    """The largest displacement of each leg's points by the bending of links and platform."""
+    """The largest displacement of each leg by the bending of links and platform.
+
+    Raises InputError for a robot whose links are rigid.
+    """
+    require(result, "leg_deformation")
     data = result.dataset["leg_deformation"]
     legs = result.dataset["path_leg"].values
     every = np.linalg.norm(data.values, axis=-1).max(axis=-1)
