@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import flexlegs
 import parflex as pf
 import solid_plates
 from parflex.mechanics.paths import shares
@@ -251,6 +252,28 @@ def test_spoilt_variables_are_told_and_the_rest_is_shown(run_of_paper, spoil):
     changed -= {"leg_station"} if spoil is with_a_hole else set()
     assert changed <= told
     assert blank == (set() if spoil in (without_units, with_a_hole) else set(ESSENTIAL))
+
+
+@pytest.fixture(scope="module")
+def bent_run() -> pf.Result:
+    """Struts that bend, released at home for 2 ms."""
+    robot = flexlegs.robot("gs_flexlegs")
+    return pf.simulate(pf.Model(robot), np.zeros(6), robot.home, [0, 1e-3, 2e-3], rtol=1e-6)
+
+
+@pytest.mark.parametrize("spoil", SPOILT)
+def test_spoilt_variables_of_bent_legs_leave_the_robot(bent_run, spoil):
+    """Each in turn: the page is drawn, its legs straight where nothing tells how they bend."""
+    whole = bent_run.dataset
+    assert judged(whole).notes[1:] == ()  # the first says that the platform has no surface
+    for name in ("leg_elastic", "leg_mode_link", "leg_frequency", "leg_deformation", "leg_station"):
+        result = judged(spoil(whole, name))
+        scene = scene_of(result)
+        assert scene is not None
+        straight = name == "leg_deformation" and spoil in (dropped, of_other_dimensions, of_another_kind)
+        assert ("leg_share" in scene.arrays) == (straight and "leg_station" in result.dataset)
+        whole_page = pf.plot.over_time(pf.Result(lambda data=result.dataset: data, ""))
+        assert ("Bending of the legs" in whole_page) == (not straight)
 
 
 def test_a_whole_run_has_nothing_to_tell(run_of_paper):

@@ -87,7 +87,7 @@ def motors_on(lines: Array, words: Array, legs: Array) -> Array:
     found: dict[tuple[int, tuple[str, ...]], Array] = {}
     for line, row, leg in zip(lines, words, legs, strict=True):
         for s in np.flatnonzero(np.char.endswith(row.astype(str), "*")):
-            before = max(k for k in range(s) if row[k] != LINK)
+            before = max((k for k in range(s) if row[k] != LINK), default=s)
             place = line[(before + s) // 2] if s - before > 1 else 0.5 * (line[before] + line[s])
             own = (int(leg), tuple(map(str, row[: s + 1])))
             found.setdefault(own, place if row[s] == "P*" else line[s])

@@ -112,9 +112,9 @@ def bent_link(legs: Legs, p: int, s: int) -> Part:
     """A flexible link as a tube along its bent axis; the cylinder of a telescope is wider, in the joint's
     colour."""
     row, last = legs.words[p], s
-    while row[last + 1] == LINK:
+    while last + 1 < len(row) and row[last + 1] == LINK:
         last += 1
-    following = str(row[last + 1])
+    following = str(row[last + 1]) if last + 1 < len(row) else ""
     telescope = following.startswith("P")
     last += following == "tip"
     colour = (MOTOR if following.endswith("*") else DARK) if telescope else STEEL
