@@ -196,6 +196,14 @@ def test_state_of_flexible_legs_is_told(folder_of):
         if found := re.match(r"modal coordinates of leg (\d), kg\^1/2 m: 3 of link 2, 3 of link 3", words):
             assert x[start:end].tolist() == bends[int(found[1]) - 1].tolist()
     assert sum("modal coordinates of leg" in words for _, words in told.values()) == 12
+    library, direct = compiled(folder_of("bent")), routines(solvable(bent()), pf.FrameOutput())[0]
+    assert call(library, direct, x, np.zeros(6), None)[0] == 0
+    opening = solvable(bent()).health.open
+    for angle in np.linspace(0, np.pi, 181):  # of the platform, about the vertical
+        x[3:7] = np.cos(angle / 2), 0, 0, np.sin(angle / 2)
+        status, (*_, health) = call(library, direct, x, np.zeros(6), None)
+        assert status == (0 if np.min(health[opening]) > 1e-8 else 5)
+    assert status == 5
     readme = (folder_of("bent") / "README.md").read_text()
     assert "a rigid platform, and 36 modes of the legs" in readme
     assert "Modes of the legs: 75.7 …" in readme

@@ -39,10 +39,10 @@ def prototype(prefix: str, routine: Routine) -> str:
     return f"int {prefix}_{routine.kernel.name}(\n{text.replace('double_', 'double ')})"
 
 
-def definition(prefix: str, routine: Routine, body: Body, legs: int) -> str:
-    """A whole function: lines that compute, then lines that write."""
+def definition(prefix: str, routine: Routine, body: Body, margins: int) -> str:
+    """A whole function: lines that compute, then lines that write. As many entries of its health are margins."""
     PREFIX = prefix.upper()
-    judged = f"{PREFIX}_HEALTH" if routine.closure else str(2 * legs)
+    judged = f"{PREFIX}_HEALTH" if routine.closure else str(margins)
     lines = [
         *(f"(void){name};" for name in routine.inputs if name not in body.used),
         *body.lines,

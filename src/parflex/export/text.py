@@ -94,10 +94,13 @@ def header(export: Export) -> dict[str, str]:
 def code(export: Export) -> dict[str, str]:
     """The words of the template model.c."""
     pairs = zip(export.routines, export.bodies, strict=True)
-    count = len(export.mechanism.legs)
-    functions = [definition(export.prefix, routine, body, count) for routine, body in pairs]
+    margins, flexures = export.mechanism.health.margins.stop, export.mechanism.health.open
+    functions = [definition(export.prefix, routine, body, margins) for routine, body in pairs]
+    turned = FLEXURES.format(flexures.start, flexures.stop, repr(SINGULAR), export.prefix.upper())
     return {
         "functions": "\n".join(functions),
+        "margins": str(margins),
+        "flexures": turned if flexures.stop > flexures.start else "",
         "singular": repr(SINGULAR),
         "gap": repr(OFF * min(1.0, export.mechanism.size)),
         "home": number_lines(export.home, 8),
@@ -143,6 +146,10 @@ def legs_modes(mechanism: Mechanism) -> str:
     return f". Modes of the legs: {low} … {high} Hz"
 
 
+FLEXURES = """    for (i = {}; i < {}; i++)
+        if (!(health[i] > {}))
+            return {}_TURNED_ABOUT;
+"""
 PROJECTION = """
 The closure of the legs is a condition on the state of this robot: an integrator drifts off it. Call
 `{}_projection(x, x, health)` after each step, until the gaps in `health` are small. Direct and inverse
