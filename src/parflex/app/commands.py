@@ -154,7 +154,7 @@ def output_of(rows: str) -> "Output":
         return FrameOutput(tuple(int(part) for part in rows.split(","))) if rows else FrameOutput()
     except ValueError:
         words = (
-            f"--rows is {rows!r}; name rows, each once, like 0,1,2: 0, 1, 2 linear, 3 … 5 angular; or joints"
+            f"--rows is {rows!r}; name rows, each once, like 0,1,2: 0 … 2 linear, 3 … 5 angular, or joints"
         )
         raise InputError(words) from None
 
