@@ -161,3 +161,16 @@ def test_words_are_checked():
     model = pf.Model(pf.robots.rus6(modes=0), "numpy")
     with pytest.raises(pf.InputError, match="legs is \"?'?stiff"):
         model.inverse(model.robot.home, np.zeros(6), legs="stiff")
+
+
+def test_parameters_go_with_it():
+    """A thicker rod of one leg, without compiling anew: as the model of a robot built with it."""
+    robot, name = hexapod(axial=1), "legs[0].joints[2].body.beam.outer"
+    model = pf.Model(robot, "numpy", [name])
+    built = pf.Model(model.with_parameters({name: 0.02}).robot, "numpy")
+    found = model.inverse(robot.home, np.ones(6), legs="static", parameters={name: 0.02})
+    there = built.inverse(robot.home, np.ones(6), legs="static")
+    assert relative(found.forces, there.forces) <= 1e-12
+    assert relative(np.stack(found.leg_elastic), np.stack(there.leg_elastic)) <= 1e-12
+    plain = model.inverse(robot.home, np.ones(6), legs="static")
+    assert relative(found.leg_elastic[0], plain.leg_elastic[0]) > 1e-7
