@@ -40,7 +40,7 @@ def prototype(prefix: str, routine: Routine) -> str:
 
 
 def definition(prefix: str, routine: Routine, body: Body, margins: int) -> str:
-    """A whole function: lines that compute, then lines that write. As many entries of its health are margins."""
+    """A whole function: lines that compute, then lines that write. So many of its health are margins."""
     PREFIX = prefix.upper()
     judged = f"{PREFIX}_HEALTH" if routine.closure else str(margins)
     lines = [
