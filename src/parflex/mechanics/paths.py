@@ -69,7 +69,7 @@ def stations_to(leg: LegTerms, t: int, own: list[Leg]) -> Iterator[Station]:
     chain, frames, none = leg.group.chain, leg.frames, np.zeros(3)
     point = leg.group.points(leg.joints.bend)[t]
     way = chain.path(point.link)
-    seats = [*(chain.seats[k] for k in way[1:]), leg.group.tip_seats[t]]
+    seats = [*(chain.seats[k] for k in way[1:]), *[leg.group.tip_seats[t]][: len(way)]]  # none of a post
     yield Station(none, none, "base")
     for place, (k, seat) in enumerate(zip(way, seats, strict=True), start=1):
         yield Station(frames.p_0j[k], frames.R_0j[k][..., 2], joint_word(leg, k))
