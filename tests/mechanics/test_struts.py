@@ -156,3 +156,45 @@ def test_a_flexure_that_is_turned_about_is_refused():
         else:
             with pytest.raises(pf.InputError, match="5 degrees of half a turn"):
                 turned.direct(robot.home, [0.0])
+
+
+def test_stiff_legs_tend_to_rigid_ones():
+    """Forces and accelerations of legs that bend statically come near to those of the same robot with rigid
+    links as one over their stiffness."""
+    beams = [pf.beam(end, 0.08, 0.068, **STEEL, static=True, axial=1) for end in ((0, -0.7, 0), (0, 0, 0.62))]
+    rigid = [stiffened(body, np.inf) for body in beams]
+    target, apart = np.array([1.0, -2.0, 0.5, 3.0, -1.0, 2.0]), []
+    exact = pf.Model(with_links(rigid), "numpy")
+    state = replace(exact.robot.home, twist=(0.1, -0.2, 0.1, 0.3, 0.1, -0.2))
+    wanted = exact.inverse(state, target).forces
+    for factor in (1e2, 1e4, 1e6):
+        soft = pf.Model(with_links([stiffened(body, factor) for body in beams]), "numpy")
+        found = soft.inverse(state, target, legs="static").forces
+        apart.append(float(np.max(np.abs(found - wanted))))
+    assert apart[0] / apart[1] == pytest.approx(100, rel=0.05)
+    assert apart[1] / apart[2] == pytest.approx(100, rel=0.05)
+
+
+def stiffened(body: pf.FlexibleBody, factor: float) -> dict:
+    """The fields of a joint whose link is a body so much stiffer, or rigid."""
+    if np.isfinite(factor):
+        return {
+            "M": 0.0,
+            "MS": np.zeros(3),
+            "I": np.zeros((3, 3)),
+            "body": replace(body, stiffness=factor * body.stiffness),
+        }
+    t = body.moments
+    return {"M": t.m, "MS": t.MS0, "I": np.trace(t.P0) * np.eye(3) - t.P0}
+
+
+def with_links(links: list[dict]) -> pf.Robot:
+    """The paper's robot with other cylinders and rods."""
+    robot, legs = pf.robots.gough_stewart(modes=3), []
+    for i, leg in enumerate(robot.legs):
+        joints = (
+            leg.joints[0],
+            *(replace(j, **fields) for j, fields in zip(leg.joints[1:], links, strict=True)),
+        )
+        legs.append(replace(leg, joints=joints, tips=(pf.Tip(3, (0, 0, 0.62), i),), posture=None))
+    return replace(robot, legs=tuple(legs))
