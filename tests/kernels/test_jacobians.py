@@ -4,11 +4,11 @@ differences of the models, and against each other."""
 import casadi
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import chains
 import parflex as pf
 import zoo
+from differences import by_column, difference, moved
 from measures import random_forces, random_states, relative
 from parflex.compiled.vm import trace
 from parflex.kernels import models as kernels
@@ -17,7 +17,6 @@ from parflex.model.core import core_of
 
 EXACT = 1e-10  # two exact derivatives, in 64 bits
 DIFFERENCES = 2e-6  # extrapolated central differences: of their own error
-STEP = 1e-4
 
 KINDS = {
     "8 legs, 3 modes": lambda: zoo.ups(8, 3),
@@ -31,33 +30,6 @@ KINDS = {
 } | {str(kind): lambda kind=kind: chains.sample(kind, 2, 1) for kind in chains.some()[::3]}
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*beyond a dynamic singularity")
-
-
-def moved(x: np.ndarray, step: np.ndarray) -> np.ndarray:
-    """A flat state after a small motion (δp, δθ, …)."""
-    y = np.concatenate([x[:3] + step[:3], x[3:7], x[7:] + step[6:]])
-    turned = Rotation.from_quat(x[3:7], scalar_first=True) * Rotation.from_rotvec(step[3:6])
-    y[3:7] = turned.as_quat(scalar_first=True)
-    return y
-
-
-def difference(function, size: int, step: float = STEP) -> np.ndarray:
-    """∂function/∂δ at 0 by central differences, extrapolated once."""
-
-    def central(i, h):
-        d = np.zeros(size)
-        d[i] = h
-        return (function(d) - function(-d)) / (2 * h)
-
-    columns = [(4 * central(i, step / 2) - central(i, step)) / 3 for i in range(size)]
-    return np.stack(columns, axis=-1) if columns else np.zeros((len(function(np.zeros(0))), 0))
-
-
-def by_column(found, expected) -> float:
-    """Largest difference of a column, of its largest entry or 1."""
-    assert found.shape == expected.shape
-    scale = np.maximum(1.0, np.max(np.abs(expected), axis=0))
-    return float(np.max(np.abs(found - expected) / scale, initial=0.0))
 
 
 @pytest.mark.parametrize("modes", [0, 3])

@@ -7,6 +7,8 @@ import pytest
 
 import parflex as pf
 from measures import relative
+from parflex.kernels.motion import derivative
+from parflex.model.core import core_of
 from parflex.robot.beam import beam
 
 STEEL = {"young": 205e9, "poisson": 0.29, "density": 7850.0}
@@ -79,6 +81,41 @@ def test_a_model_with_another_section_keeps_its_shapes():
     fresh = beam((0, 0, 0.62), 0.04, **STEEL, bending=1, axial=1)
     assert body.frequencies == pytest.approx(fresh.frequencies, rel=1e-12)
     assert body.moments.m == pytest.approx(fresh.moments.m, rel=1e-14)
+
+
+def with_step(model: pf.Model, name: str, part: float) -> dict[str, np.ndarray]:
+    """Another value of a parameter, by a part of it."""
+    return {name: np.asarray(model.parameters[name]) * (1 + part)}
+
+
+@pytest.mark.parametrize("backend", ["numpy", "vm"])
+def test_derivatives_by_sections_and_flexures(backend):
+    """Bent and in motion, rows of the legs too, against central differences of the direct model, extrapolated
+    once; of a stiffness along its own way."""
+    rng, names = np.random.default_rng(3), [OUTER, ONE, STIFFNESS]
+    model, reference = pf.Model(robot(), backend, names), pf.Model(robot(), "numpy", names)
+    soft = [np.concatenate([j.body.frequencies for j in leg.joints[1:]]) for leg in model.robot.legs]
+    bent = tuple(20.0 / omega**2 * rng.normal(size=omega.shape) for omega in soft)
+    state, forces = replace(at_rest_in_shape(model), leg_elastic=bent), np.arange(6.0)
+    found = model.direct_jacobian(state, forces)
+    rows = np.concatenate([found.parameters, found.carried_parameters])
+
+    def answer(name, part):
+        core = core_of(reference.with_parameters(with_step(reference, name, part)))
+        rate, at = (
+            core.functions(derivative)(x=core.flat(state), forces=forces)["rate"],
+            core.mechanism.layout.at,
+        )
+        return np.concatenate([rate[at.twist], rate[at.elastic_rate], rate[at.joint_rates]])
+
+    start = 0
+    for name in names:
+        own = np.asarray(model.parameters[name]).reshape(-1)
+        along = rows[:, start : start + own.size] @ own
+        whole, half = ((answer(name, h) - answer(name, -h)) / (2 * h) for h in (1e-3, 5e-4))
+        expected = (4 * half - whole) / 3
+        assert np.max(np.abs(along - expected)) <= 1e-7 * max(1.0, np.max(np.abs(expected)))
+        start += own.size
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ import pytest
 
 import parflex as pf
 import zoo
+from differences import by_column, by_differences
 from measures import random_forces, random_states
 from parflex.model.core import core_of
 from parflex.simulation.laws import controller_of
@@ -14,7 +15,6 @@ from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.loads import Loads
 from parflex.simulation.steppers.scipy_steps import SciPySteps
 
-STEP = 1e-4  # of central differences, extrapolated once
 DIFFERENCES = 1e-6  # of their own error
 EXACT = 1e-10  # two backends, in 64 bits
 LOADS = (pf.Wrench(3, (100.0, 0, -300), (0, 10.0, 20)), pf.Wrench(7, (0, 50.0, 0), frame="platform"))
@@ -37,23 +37,6 @@ def law_of(kind: str, model: pf.Model, forces: np.ndarray, wrenches=LOADS) -> Bo
     return controller_of(model, LAWS[kind](model, forces)).bind(model, Loads(model, wrenches))
 
 
-def by_differences(law: BoundLaw, t: float, x: np.ndarray) -> np.ndarray:
-    """∂ẋ/∂x of the law's motion, entry by entry of the flat state, the quaternion's length among them."""
-    n = len(x)
-
-    def central(h: float) -> np.ndarray:
-        ahead, behind = (law.replay(np.full(n, t), x + step * np.eye(n)).rate for step in (h, -h))
-        return (ahead - behind).T / (2 * h)
-
-    return (4 * central(STEP / 2) - central(STEP)) / 3
-
-
-def apart(found: np.ndarray, expected: np.ndarray) -> float:
-    """Largest difference, of its column's largest entry or 1."""
-    assert found.shape == expected.shape
-    return float(np.max(np.abs(found - expected) / np.maximum(1.0, np.max(np.abs(expected), axis=0))))
-
-
 @pytest.mark.parametrize("kind", LAWS)
 @pytest.mark.parametrize("modes", [0, 10])
 def test_jacobian_against_differences(model_of, kind, modes):
@@ -63,7 +46,7 @@ def test_jacobian_against_differences(model_of, kind, modes):
     x = core_of(model).flat(random_states(model.robot, 1, 2)[0])
     x[3:7] *= 1.1
     assert law.differentiable
-    assert apart(law.jacobian(0.06, x), by_differences(law, 0.06, x)) <= DIFFERENCES
+    assert by_column(law.jacobian(0.06, x), by_differences(law, 0.06, x)) <= DIFFERENCES
 
 
 @pytest.mark.parametrize("kind", LAWS)
@@ -73,7 +56,7 @@ def test_backends_agree(model_of, kind, backend):
     forces = random_forces(model_of(3), 1, 3)[0]
     x = core_of(model_of(3)).flat(random_states(model_of(3).robot, 1, 4)[0])
     reference, compiled = (law_of(kind, model_of(3, name), forces) for name in ("numpy", backend))
-    assert apart(compiled.jacobian(0.06, x), reference.jacobian(0.06, x)) <= EXACT
+    assert by_column(compiled.jacobian(0.06, x), reference.jacobian(0.06, x)) <= EXACT
 
 
 ROBOTS = {
@@ -96,7 +79,7 @@ def test_robots_of_other_kinds(name):
     law = hold.bind(model, Loads(model, ()))
     x = core_of(model).flat(sample.states[0])
     assert law.differentiable
-    assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= DIFFERENCES
+    assert by_column(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= DIFFERENCES
 
 
 class CountedLaw(BoundLaw):
@@ -179,9 +162,8 @@ def test_a_work_does_not_end_a_stiff_run():
     assert np.all(np.isfinite(stepper.y))
 
 
-def test_a_callers_function_and_carried_joints_are_differenced(model_of):
-    """Stiff springs as a caller's function move the platform as the controller does; a robot whose legs'
-    joints are in its state is held by stiff springs too."""
+def test_a_callers_function_is_differenced(model_of):
+    """Stiff springs as a caller's function move the platform as the controller does."""
     model = model_of(0, "vm")
     hold, start = held_stiffly(model)
     law = hold.bind(model, Loads(model, ()))
@@ -194,9 +176,19 @@ def test_a_callers_function_and_carried_joints_are_differenced(model_of):
         for given in (hold, called)
     )
     assert np.max(np.abs(one.position - other.position)) <= 1e-8
+    assert not controller_of(model, called).bind(model, Loads(model, ())).differentiable
+
+
+@pytest.mark.parametrize("law", ["forces", "joint controller"])
+def test_carried_joints(law):
+    """The derivative of a robot whose legs' joints are in its state."""
     sample = zoo.odd(0, 0)
     model = pf.Model(sample.robot, "vm")
-    law = controller_of(model, sample.forces[0]).bind(model, Loads(model, ()))
+    m = sample.robot.n_forces
+    given = sample.forces[0]
+    if law == "joint controller":
+        given = pf.JointPD(model, sample.states[1], np.linspace(1e3, 5e3, m), np.linspace(10.0, 50.0, m))
+    law = controller_of(model, given).bind(model, Loads(model, ()))
     x = core_of(model).flat(sample.states[0])
-    assert not law.differentiable
-    assert apart(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= 1e-4
+    assert law.differentiable
+    assert by_column(law.jacobian(0.0, x), by_differences(law, 0.0, x)) <= DIFFERENCES

@@ -2,9 +2,11 @@
 with this library (`data/README.md`)."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 import parflex as pf
 from places import DATA
@@ -39,12 +41,12 @@ def body(name: str, j: int) -> pf.FlexibleBody | None:
     )
 
 
-def joint(name: str, j: int) -> pf.Joint:
-    """Joint j of every leg, from 1, with its link."""
+def joint(name: str, j: int, bends: bool = True) -> pf.Joint:
+    """Joint j of every leg, from 1, with its link, which may be as rigid as if it could not bend."""
     a = arrays(name)
     antecedent, sigma, mu, *rest = a[f"link{j}_mdh"]
     given = dict(zip(("gamma", "b", "alpha", "d", "theta", "r", "IA", "k", "q_0"), rest, strict=True))
-    link = body(name, j)
+    link = body(name, j) if bends else None
     if link is not None:
         given["body"] = link
     else:
@@ -80,6 +82,57 @@ def robot(name: str) -> pf.Robot:
         else ("home_position", "home_rotation")
     )
     return pf.Robot(legs, platform, a["gravity"], tuple(a[key] for key in home))
+
+
+@cache
+def mixed(name: str) -> pf.Robot:
+    """The robot with a leg as it is, next a rigid one, and last a flexible one that carries its joints, as
+    its last link is turned about its axis; other legs as they are. Flexures with friction hold the first and
+    the last leg, and of more than three legs the last but one."""
+    whole, a = robot(name), arrays(name)
+    *first, last = whole.legs[-1].joints
+    carried = (*first, replace(last, theta=last.theta + 0.3))
+    posture = np.array(a["home_joints" if "home_joints" in a else "static_joints"])[-1]
+    if not last.sigma:
+        posture[-1] -= 0.3
+    K = np.array([[0.9, 0.1, 0.0], [0.1, 0.7, 0.02], [0.0, 0.02, 0.1]])
+    flexure = pf.Flexure(
+        K, 0.02 * K, 0.02, 3.0, rest=Rotation.from_euler("xyz", [0.3, -0.2, 0.5]).as_matrix()
+    )
+    rigid = tuple(joint(name, j, bends=False) for j in range(1, links(name) + 1))
+    legs = list(whole.legs)
+    legs[1] = replace(legs[1], joints=rigid)
+    legs[-1] = replace(legs[-1], joints=carried, posture=posture)
+    held = {0, len(legs) - 1} | ({len(legs) - 2} if len(legs) > 3 else set())
+    for i, leg in enumerate(legs):
+        tips = tuple(replace(tip, flexure=flexure if i in held else None) for tip in leg.tips)
+        legs[i] = replace(leg, tips=tips)
+    return replace(whole, legs=tuple(legs))
+
+
+def moving(robot: pf.Robot, seed: int) -> pf.State:
+    """A state on the closure of a robot near home, bent and in motion."""
+    rng, home = np.random.default_rng(seed), robot.home
+    model = pf.Model(robot, "numpy")
+    bodies = [[j.body for j in leg.joints if j.body is not None] for leg in robot.legs]
+    soft = [np.concatenate([np.zeros(0), *(1 / body.frequencies for body in leg)]) for leg in bodies]
+    (elastic, *bend), (elastic_rate, *rates) = (
+        [
+            scale * part**power * rng.normal(size=part.shape)
+            for part in (1 / robot.platform.frequencies, *soft)
+        ]
+        for scale, power in ((20.0, 2), (1.0, 1))
+    )
+    near = pf.State(
+        home.position + 0.02 * rng.normal(size=3),
+        home.rotation @ Rotation.from_rotvec(0.05 * rng.normal(size=3)).as_matrix(),
+        0.3 * rng.normal(size=6),
+        elastic,
+        elastic_rate,
+        leg_elastic=tuple(bend),
+        leg_elastic_rate=tuple(rates),
+    )
+    return model.project(near)
 
 
 def states(name: str) -> pf.State:

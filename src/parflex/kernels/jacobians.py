@@ -22,18 +22,24 @@ from parflex.robot.parameters import Parameters
 Places = tuple[Place, ...]
 
 
+BY = ("state", "forces", "load")
+
+
 def direct_jacobian(mechanism: Mechanism, places: Places) -> Kernel:
-    """∂(V̇_p, q̈_e) by state, forces and generalised force."""
+    """∂(V̇_p, q̈_e) by state, forces and generalised force, and ∂s̈ of what the state carries of the legs."""
+    rows, carried = 6 + mechanism.platform.modes, mechanism.layout.carried
 
     def function(x: Array, forces: Array, load: Array, pushes: Array) -> Vectors:
         system = assembly.assembled(mechanism, x)
         held = load_of(mechanism, places, load, pushes)
-        found = sensitivity.direct_sensitivity(system, forces, held)
-        by_rows = zip(("by_state", "by_forces", "by_load"), found, strict=True)
-        return {name: merged(part) for name, part in by_rows} | {"health": assembly.health(system)}
+        found = dict(zip(BY, sensitivity.direct_sensitivity(system, forces, held), strict=True))
+        of_platform = {f"by_{name}": merged(part[..., :rows, :]) for name, part in found.items()}
+        of_legs = {f"carried_by_{name}": merged(part[..., rows:, :]) for name, part in found.items()}
+        return of_platform | of_legs | {"health": assembly.health(system)}
 
-    rows, motion = 6 + mechanism.platform.modes, mechanism.layout.motion_size
-    sizes = {"by_state": rows * motion, "by_forces": rows * mechanism.n_forces, "by_load": rows * rows}
+    columns = dict(zip(BY, (mechanism.layout.motion_size, mechanism.n_forces, rows), strict=True))
+    sizes = {f"by_{name}": rows * count for name, count in columns.items()}
+    sizes |= {f"carried_by_{name}": carried * count for name, count in columns.items()}
     outputs, pushes = (*sizes, "health"), 6 * len(places)
     return kernel("direct_jacobian", function, mechanism, outputs, (places,), pushes=pushes, **sizes)
 
@@ -55,7 +61,8 @@ def inverse_jacobian(mechanism: Mechanism, output: PlatformOutput, places: Place
 
 
 def parameter_jacobian(mechanism: Mechanism, places: Places, parameters: Parameters) -> Kernel:
-    """∂(V̇_p, q̈_e)/∂θ, at any θ."""
+    """∂(V̇_p, q̈_e)/∂θ and ∂s̈/∂θ, at any θ."""
+    rows, carried = 6 + mechanism.platform.modes, mechanism.layout.carried
 
     def at(theta: Array) -> Callable[..., Vectors]:
         own = placed(parameters, mechanism, theta)
@@ -65,14 +72,17 @@ def parameter_jacobian(mechanism: Mechanism, places: Places, parameters: Paramet
             held = load_of(own, places, load, pushes)
             place = partial(placed, parameters, mechanism)
             found = sensitivity.parameter_sensitivity(place, theta, system, forces, held)
-            return {"by_parameters": merged(found), "health": assembly.health(system)}
+            by_rows = {"by_parameters": merged(found[..., :rows, :])}
+            by_rows["carried_by_parameters"] = merged(found[..., rows:, :])
+            return by_rows | {"health": assembly.health(system)}
 
         return function
 
-    size = (6 + mechanism.platform.modes) * parameters.size
-    sizes = {"pushes": 6 * len(places), "by_parameters": size}
-    outputs = ("by_parameters", "health")
-    plain = kernel("parameter_jacobian", at(parameters.own), mechanism, outputs, (places,), **sizes)
+    sizes = {"by_parameters": rows * parameters.size, "carried_by_parameters": carried * parameters.size}
+    outputs, pushes = (*sizes, "health"), 6 * len(places)
+    plain = kernel(
+        "parameter_jacobian", at(parameters.own), mechanism, outputs, (places,), pushes=pushes, **sizes
+    )
     return for_any(parameters, plain, at)
 
 

@@ -1,6 +1,6 @@
 """The derivative of the motion under a law: what an implicit integrator asks for.
 
-It is exact, by way of the small motions of `Layout.motions`, for robots whose state carries no joints.
+It is exact, by way of the small motions of `Layout.motions`.
 """
 
 from collections.abc import Callable
@@ -16,25 +16,28 @@ from parflex.mechanics.derivatives import sensitivity
 from parflex.mechanics.wrench import Place
 from parflex.robot.layout import Coordinates, Layout
 
-ForceChange = tuple[Array, Array]  # Γ (…, m), and its derivative (…, m, 12 + 2 N) by the small motions
+ForceChange = tuple[Array, Array]  # Γ (…, m), and its derivative (…, m, 12 + 2 N + 2 n) by the small motions
 Drive = Callable[[assembly.System, Array, Array], ForceChange]  # of the system, time (…,) and row
 
 
 def motion_jacobian(motion: Kernel, places: tuple[Place, ...], drive: Drive) -> Kernel:
     """The kernel of ∂ẋ/∂x by rows; it reads what the motion reads, whose forces are those of `drive`."""
     mechanism = motion.mechanism
-    layout, n = mechanism.layout, mechanism.layout.size
+    layout, n, bent = mechanism.layout, mechanism.layout.size, 6 + mechanism.platform.modes
 
     def function(x: Array, time: Array, row: Array, load: Array, pushes: Array) -> Vectors:
         system, held = assembly.assembled(mechanism, x), load_of(mechanism, places, load, pushes)
         forces, by_motion = drive(system, time[..., 0], row)
         at = sensitivity.solved(system, forces, held(system.x))
-        accelerations = sensitivity.by_state(system, at, held, at.JAS @ by_motion)
+        accelerations = sensitivity.by_state(system, at, held, by_motion)
+        unit, motions = np.eye(layout.motion_size), layout.motions
         rates = [
-            place_rate(system.x),
-            accelerations[..., :6, :] - drift(system.x),
-            bending_rate(system.x),
-            accelerations[..., 6:, :],
+            place_rate(layout, system.x),
+            accelerations[..., :6, :] - drift(layout, system.x),
+            unit[motions.elastic_rate],
+            accelerations[..., 6:bent, :],
+            unit[motions.joint_rates],
+            accelerations[..., bent:, :],
         ]
         place, *rest = (by_flat_state(layout, x, rows) for rows in rates)
         fixed = np.zeros((len(layout.branched), n))
@@ -45,7 +48,7 @@ def motion_jacobian(motion: Kernel, places: tuple[Place, ...], drive: Drive) -> 
 
 
 def by_flat_state(layout: Layout, x: Array, rows: Array) -> Array:
-    """Rows (…, r, 12 + 2 N) by the small motions, turned into rows (…, r, size) by the flat state.
+    """Rows (…, r, M) by the small motions, turned into rows (…, r, size) by the flat state.
 
     δθ = 2 Im(q̄ δq) / |q|².
     """
@@ -68,22 +71,16 @@ def turn_rate(layout: Layout, x: Array) -> Array:
     return block([[np.zeros((4, 3)), by_quaternion, np.zeros((4, 3)), by_omega, still]])
 
 
-def place_rate(x: Coordinates) -> Array:
-    """∂(R v_p) (…, 3, 12 + 2 N)."""
-    still, N = np.zeros((3, 3)), x.elastic.shape[-1]
+def place_rate(layout: Layout, x: Coordinates) -> Array:
+    """∂(R v_p) (…, 3, M)."""
     turned = -x.rotation @ skew(x.twist[..., :3])
-    return block([[still, turned, x.rotation, still, np.zeros((3, 2 * N))]])
+    still = np.zeros((3, layout.motion_size - layout.motions.velocity.stop))
+    return block([[np.zeros((3, 3)), turned, x.rotation, still]])
 
 
-def drift(x: Coordinates) -> Array:
-    """∂(ω × v_p, 0) (…, 6, 12 + 2 N): the rate that the components of v_p lose as Σp turns."""
+def drift(layout: Layout, x: Coordinates) -> Array:
+    """∂(ω × v_p, 0) (…, 6, M): the rate that the components of v_p lose as Σp turns."""
     v_p, omega = x.twist[..., :3], x.twist[..., 3:]
-    none, N = np.zeros((3, 3)), x.elastic.shape[-1]
+    none, still = np.zeros((3, 3)), np.zeros((6, layout.motion_size - layout.motions.omega.stop))
     change = block([[skew(omega), -skew(v_p)], [none, none]])
-    return block([[np.zeros((6, 6)), change, np.zeros((6, 2 * N))]])
-
-
-def bending_rate(x: Coordinates) -> Array:
-    """∂q̇_e (N, 12 + 2 N)."""
-    layout = Layout(x.elastic.shape[-1])
-    return np.eye(layout.motion_size)[layout.motions.elastic_rate]
+    return block([[np.zeros((6, 6)), change, still]])

@@ -68,11 +68,16 @@ def with_moments(
     """The platform's terms with the moments of the flexures at its tips."""
     if all(group.flexures is None for group in mechanism.groups):
         return platform
-    parts = [leg.moment if leg.group.flexures else 0.0 * leg.place for leg in legs]
-    m = np.concatenate([part.reshape(part.shape[:-3] + (-1, 3)) for part in parts], axis=-2)
+    m = tip_moments(legs)
     modal = np.sum(mtv(turned.tilt, m), axis=-2)
     still = np.zeros(3)
     return platform._replace(c_r=platform.c_r - join([still, np.sum(m, axis=-2)]), c_e=platform.c_e - modal)
+
+
+def tip_moments(legs: list[LegTerms]) -> Array:
+    """The moments (…, k, 3) of flexures at all tips on the platform, in Σp; zero where a tip has none."""
+    parts = [leg.moment if leg.group.flexures else 0.0 * leg.place for leg in legs]
+    return np.concatenate([part.reshape(part.shape[:-3] + (-1, 3)) for part in parts], axis=-2)
 
 
 def assembled(mechanism: Mechanism, x: Array) -> System:

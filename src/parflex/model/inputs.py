@@ -40,6 +40,16 @@ def theta(core: Core, values: Values) -> Array:
     return own if values is None else core.functions.parameters.vector(values, own)
 
 
+def single_values(theta: Array) -> Array:
+    """θ (P,); raises InputError for a batch."""
+    if theta.ndim > 1:
+        raise InputError(
+            f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
+            f"model.direct or model.inverse"
+        )
+    return theta
+
+
 def of_jacobian(
     core: Core, state: State, wrenches: Wrenches, values: Values, **argument: Array
 ) -> tuple[dict[str, Array], Array]:

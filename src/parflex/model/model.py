@@ -4,27 +4,30 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import partial
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.analysis import equilibrium, forward, health, mobility, zero_dynamics
 from parflex.base.array import Array
-from parflex.base.check import broadcast_together, finite
-from parflex.base.errors import InputError
-from parflex.kernels import jacobians
+from parflex.base.check import broadcast_together
 from parflex.kernels import models as kernels
 from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
-from parflex.mechanics.ordering import Joints, by_attachment, by_leg, by_rows
+from parflex.mechanics.ordering import Joints, by_attachment, by_leg
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import examined
-from parflex.mechanics.wrench import places_of
 from parflex.model import inputs, inverting
 from parflex.model.core import joints_at, legs_moved, made
+from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Values, Wrenches
 from parflex.model.renamed import renamed
-from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
+from parflex.model.results import (
+    Accelerations,
+    DirectJacobian,
+    Forces,
+    InverseJacobian,
+    Reactions,
+)
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 
@@ -75,12 +78,7 @@ class Model:
         Raises InputError for names that are not among the parameters, a batch of values, and values
         that the robot itself would refuse.
         """
-        theta = inputs.theta(self._core, values)
-        if theta.ndim > 1:
-            raise InputError(
-                f"parameters are a batch {theta.shape[:-1]}; a model has one value of each: pass batches to "
-                f"model.direct or model.inverse"
-            )
+        theta = inputs.single_values(inputs.theta(self._core, values))
         other = copy(self)
         other._core = self._core.at(theta)
         return other
@@ -145,18 +143,7 @@ class Model:
 
         Raises as `direct`, and InputError for a batch of wrenches.
         """
-        functions, places, u = self._core.functions, places_of(wrenches), inputs.forces(self._core, forces)
-        given, theta = inputs.of_jacobian(self._core, state, wrenches, parameters, forces=u)
-        found = functions(jacobians.direct_jacobian, places, theta=theta)(**given)
-        self._core.check(given["x"], found.pop("health"))
-        health.check_finite(found["by_state"])
-        if functions.parameters.items:
-            build = jacobians.parameter_jacobian
-            found |= functions(build, places, functions.parameters, theta=theta)(**given)
-        rows = 6 + self.robot.platform.modes
-        none = np.zeros((*found["by_state"].shape[:-1], 0))
-        names = ("by_state", "by_forces", "by_load", "by_parameters")
-        return DirectJacobian(*(by_rows(found.get(name, none), rows) for name in names))
+        return direct_jacobian_of(self._core, state, forces, wrenches, parameters)
 
     def inverse_jacobian(
         self,
@@ -172,14 +159,7 @@ class Model:
         Raises as `inverse`, and InputError for a batch of wrenches, and where the output has not as many
         rows as there are actuators.
         """
-        output, m = inputs.square(self._core, output), self.robot.n_forces
-        wanted = finite("target", target, (m,))
-        given, theta = inputs.of_jacobian(self._core, state, wrenches, parameters, target=wanted)
-        build = jacobians.inverse_jacobian
-        found = self._core.functions(build, output, places_of(wrenches), theta=theta)(**given)
-        self._core.check(given["x"], found["health"])
-        health.check_finite(found["by_state"])
-        return InverseJacobian(*(by_rows(found[name], m) for name in ("by_state", "by_target")))
+        return inverse_jacobian_of(self._core, state, target, output, wrenches, parameters)
 
     def cartesian(self, state: State) -> Cartesian:
         """The Cartesian form A V̇_p + c = J_sys⁻ᵀ Γ of Eqs. 44–49.

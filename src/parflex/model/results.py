@@ -72,18 +72,24 @@ class Forces(WithForces):
 
 
 class DirectJacobian(NamedTuple):
-    """∂(V̇_p, q̈_e), rows (6 + N), of the direct model.
+    """∂(V̇_p, q̈_e), rows (6 + N), of the direct model, and ∂s̈, rows (n), of the coordinates of the legs that
+    the state carries: joints, then elastic coordinates, leg by leg.
 
     state (…, 6 + N, 12 + 2 N + 2 n) by small motions (δp 3 in Σ0, δθ 3, δv_p 3, δω_p 3, δq_e N,
-    δq̇_e N[, δq, δq̇ carried]), δθ being a rotation vector in Σp: R → R exp(δθ̂); forces
+    δq̇_e N[, δs, δṡ carried]), δθ being a rotation vector in Σp: R → R exp(δθ̂); forces
     (…, 6 + N, m) by Γ; load (…, 6 + N, 6 + N) by a generalised force on (Σp, modes); parameters
-    (…, 6 + N, P) by the model's parameters, one after the other.
+    (…, 6 + N, P) by the model's parameters, one after the other. carried (…, n, 12 + 2 N + 2 n),
+    carried_forces (…, n, m), carried_load (…, n, 6 + N) and carried_parameters (…, n, P) are those of s̈.
     """
 
     state: Array
     forces: Array
     load: Array
     parameters: Array
+    carried: Array
+    carried_forces: Array
+    carried_load: Array
+    carried_parameters: Array
 
 
 class InverseJacobian(NamedTuple):

@@ -62,9 +62,8 @@ class BoundLaw:
 
     @property
     def differentiable(self) -> bool:
-        """True where its derivative is compiled: nobody is called, the state is platform and modes alone."""
-        own = self.mechanism.layout.carried + self.law.memory
-        return self.law.differentiable and self.alone and own == 0
+        """True where its derivative is compiled: nobody is called, and the law remembers nothing."""
+        return self.law.differentiable and self.alone and self.law.memory == 0
 
     def jacobian(self, t: float, x: Array) -> Array:
         """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""

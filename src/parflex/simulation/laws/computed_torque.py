@@ -101,7 +101,7 @@ def tracking_target(now: Coordinates, t: Array, row: Array, output: PlatformOutp
 
 
 def target_tangent(x: Coordinates, t: Array, row: Array, output: PlatformOutput) -> Array:
-    """∂ of the target (…, o, 12 + 2 N) by the small motions."""
+    """∂ of the target (…, o, 12 + 2 N + 2 n) by the small motions."""
 
     def target(seeds: Array) -> Array:
         turned = x.rotation @ (np.eye(3) + skew(seeds[..., 3:6]))
@@ -109,7 +109,7 @@ def target_tangent(x: Coordinates, t: Array, row: Array, output: PlatformOutput)
         return tracking_target(now, t, row, output)
 
     moving = jacobian(target, join([x.position, 0.0 * x.position, x.twist]))
-    return block([[moving, np.zeros((output.size, 2 * x.elastic.shape[-1]))]])
+    return block([[moving, np.zeros((output.size, 2 * (x.elastic.shape[-1] + x.s.shape[-1])))]])
 
 
 @dataclass(frozen=True, eq=False)

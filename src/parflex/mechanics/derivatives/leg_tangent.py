@@ -1,0 +1,153 @@
+"""Derivatives of the equations of the legs by the state, at fixed accelerations and contact forces."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array, join, merged, mtv, mv, skew, split, transpose
+from parflex.base.dual import jacobian
+from parflex.mechanics import chain, recursion
+from parflex.mechanics.leg_terms import LegTerms, flexed, leg_response, rates_of
+from parflex.mechanics.legs.alike import each_leg
+from parflex.mechanics.legs.base import LegGroup
+from parflex.mechanics.system import System, sections_by_group
+from parflex.robot.layout import Coordinates
+
+
+class LegTangent(NamedTuple):
+    """Changes of L legs with t tips whose state carries s coordinates each, at fixed z̈ and contact forces.
+
+    Rows (3t + s) are ∂(J z̈ + J̇ż) − J A⁻¹ r_2, resolved in Σp, and those of −A⁻¹ r_2 that belong to carried
+    coordinates, with r_2 = ∂(A z̈ + c + Jᵀ f).
+    """
+
+    by_tips: Array  # (…, L, 3t + s, d), by motions of the tips as `tip_motions.leg_by_leg` has them
+    own: Array  # (…, L, 3t + s, 2 s), by carried coordinates and their rates
+    moment_by_tips: Array  # (…, L, 3t, d), of flexures on the platform, in Σp; (…, L, 0, d) without
+    moment_own: Array  # (…, L, 3t, 2 s)
+    mobility: Array  # (…, L, 3t + s, 3t), [J; those rows of 1] A⁻¹ Jᵀ
+
+
+def seen(leg: LegTerms) -> Array:
+    """[J; rows of 1] A⁻¹ (…, L, 3t + s, z): what generalised forces give to the tips, and to carried
+    coordinates."""
+    rows = np.eye(leg.group.chain.size)[list(leg.group.kept)]
+    both = np.concatenate([leg.J, np.broadcast_to(rows, leg.J.shape[:-2] + rows.shape)], axis=-2)
+    return transpose(leg_response(leg.group, leg.A, transpose(both)))
+
+
+def leg_tangent(
+    system: System, leg: LegTerms, section: Array, mobile: Array, zdd: Array, f: Array
+) -> LegTangent:
+    """The legs of a group with accelerations z̈ (…, L, z) under contact forces f (…, L, t, 3) in Σp.
+
+    section (…, L, t, 12) is of the platform, mobile (…, L, 3t + s, z) as of `seen`.
+    """
+    group = leg.group
+    z, rows, s = group.chain.size, 3 * len(group.tip_frames), len(group.kept)
+    found = residual_tangent(system, leg, section, zdd, mv(leg.R_ip, f))
+    R_pi = transpose(leg.R_ip[..., 0, :, :])
+    reached = blockwise(R_pi, found[..., z : z + rows, :])
+    kept = np.zeros((*reached.shape[:-2], s, reached.shape[-1]))
+    H = np.concatenate([reached, kept], axis=-2) - mobile @ found[..., :z, :]
+    moment = blockwise(R_pi, found[..., z + rows :, :])
+    seeds = H.shape[-1] - 2 * s
+    by_tips = (transpose(blockwise(R_pi, transpose(part[..., :seeds]))) for part in (H, moment))
+    own = (part[..., seeds:] for part in (H, moment))
+    (H, moment), (H_own, moment_own) = by_tips, own
+    return LegTangent(H, H_own, moment, moment_own, mobile @ transpose(leg.J))
+
+
+class Seeds(NamedTuple):
+    """The arguments of the equations of the legs, all in Σ0i: places and velocities (…, L, t, 3) of the tips,
+    which legs that carry their joints do not read; small turns and angular velocities (…, L, t, 3) of the
+    platform's sections, which only flexures read; and the carried coordinates with their rates."""
+
+    place: Array
+    velocity: Array
+    turn: Array
+    spin: Array
+    s: Array
+    sd: Array
+
+
+def seeds_of(group: LegGroup, flat: Array) -> Seeds:
+    """The parts of seeds (…, L, d) that stand side by side."""
+    t, s = len(group.tip_frames), len(group.kept)
+    tips, held = (0 if group.type.carries else t, 3), (0 if group.flexures is None else t, 3)
+    return Seeds(*split(flat, [tips, tips, held, held, (s,), (s,)]))
+
+
+def leg_seeds(leg: LegTerms, x: Coordinates, section: Array) -> Array:
+    """The arguments (…, L, d) of `leg_residual` at a state, for sections (…, L, t, 12) of the platform."""
+    group, parts = leg.group, []
+    if not group.type.carries:
+        parts += [merged(leg.place), merged(leg.velocity)]
+    if group.flexures is not None:
+        spin = mv(leg.R_ip, section[..., 9:])
+        parts += [merged(0.0 * spin), merged(spin)]
+    return join([*parts, x.s[..., group.carried], x.sd[..., group.carried]])
+
+
+def axes_of(leg: LegTerms, section: Array) -> Array:
+    """The axes (…, L, 9t) in Σ0i of the platform's sections (…, L, t, 12); (…, L, 0) without flexures."""
+    if leg.group.flexures is None:
+        return leg.place[..., 0, :0]
+    C = leg.R_ip @ section[..., :9].reshape((*section.shape[:-1], 3, 3))
+    return merged(merged(C))
+
+
+def residual_tangent(system: System, leg: LegTerms, section: Array, zdd: Array, force: Array) -> Array:
+    """∂ of `leg_residual` by its seeds, (…, L, z + 3t[ + 3t], d), under forces (…, L, t, 3) in Σ0i."""
+    push = (len(leg.group.tip_frames), 3)
+
+    def tangent(group: LegGroup, *given: Array) -> Array:
+        seeds, zdd, force, branch, axes, gravity = given
+        group, force = group.on(branch), force.reshape(force.shape[:-1] + push)
+        local = mtv(group.rotation, gravity)
+        return jacobian(lambda x: leg_residual(group, x, zdd, force, axes, local), seeds)
+
+    rows = [leg_seeds(leg, system.x, section), zdd, merged(force), leg.branch, axes_of(leg, section)]
+    found: Array = each_leg(leg.group, tangent, rows, [system.mechanism.gravity])
+    return found
+
+
+def leg_residual(
+    group: LegGroup, seeds: Array, zdd: Array, force: Array, axes: Array, gravity: Array
+) -> Array:
+    """(A z̈ + c + Jᵀ f, J z̈ + J̇ż, moments of flexures on the platform): (…, L, z + 3t[ + 3t]) in Σ0i.
+
+    seeds as in `Seeds`, side by side; force (…, L, t, 3), axes (…, L, 9t) of the platform's sections where
+    there are flexures, gravity (L, 3); all in Σ0i.
+    """
+    c, at = group.chain, seeds_of(group, seeds)
+    joints = group.type.joints(group, at.place, at.s)
+    frames, tips = chain.frames(c, joints), group.points(joints.bend)
+    J = [chain.tip_jacobian(c, frames, tip) for tip in tips] if any(c.modes) else []
+    zd = rates_of(group, frames, joints, J, at.place, at.velocity, at.sd)
+    motions = recursion.link_motions(c, frames, zd, zdd, gravity)
+    loads, accelerations = recursion.unloaded(c), []
+    for t, tip in enumerate(tips):
+        R = frames.R_0j[tip.link]
+        recursion.with_push(loads, tip, mtv(R, force[..., t, :]))
+        accelerations.append(mv(R, recursion.tip_acceleration(c, motions, tip, zd, zdd)))
+    torque = recursion.inverse_dynamics(c, frames, motions, zd, zdd, loads)
+    torque = torque + recursion.passive(c, joints, zd)
+    if group.flexures is None:
+        return join([torque, *accelerations])
+    C = axes.reshape((*axes.shape[:-1], len(tips), 3, 3))
+    section = join([merged(C + skew(at.turn) @ C), at.spin])
+    pull, _, _, moment, _ = flexed(group, frames, tips, zd, np.eye(3), merged(section))
+    return join([torque + pull, *accelerations, merged(moment)])
+
+
+def sections_of(system: System) -> list[Array]:
+    """The platform's sections (…, L, t, 12) at the tips, group by group."""
+    return sections_by_group(system.mechanism, system.sections)
+
+
+def blockwise(R: Array, a: Array) -> Array:
+    """R (…, 3, 3) times each three rows of a (…, 3 r, c)."""
+    parts = a.reshape(a.shape[:-2] + (a.shape[-2] // 3, 3, a.shape[-1]))
+    turned = R[..., None, :, :] @ parts
+    return turned.reshape(turned.shape[:-3] + a.shape[-2:])
