@@ -95,6 +95,19 @@ LEGS = things([np.zeros(3)] * 6, none=True)
 LEGS = LEGS._replace(bad={name: bad for name, bad in LEGS.bad.items() if name not in ("ragged", "nothings")})
 RUN = pf.simulate(MODEL, GAMMA, HOME, [0.0, 1e-3])
 
+
+def equilibrium(**given):
+    """The equilibrium at home, or under the forces that hold it where forces or a guess are given."""
+    own = (
+        {"forces": AT_HOME}
+        if {"forces", "guess"} & set(given)
+        else {"position": HOME.position, "rotation": UP}
+    )
+    return MODEL.equilibrium(**own | given)
+
+
+AT_HOME = MODEL.equilibrium(HOME.position, UP)[1]
+
 DOORS: dict[str, Door] = {
     "Bar": Door(
         partial(pf.Bar, mass=1.0, length=0.5),
@@ -188,7 +201,12 @@ DOORS: dict[str, Door] = {
     "Model.direct": Door(MODEL.direct, DRIVEN | {"parameters": VALUES}),
     "Model.direct_jacobian": Door(MODEL.direct_jacobian, DRIVEN | {"parameters": VALUES}),
     "Model.energies": Door(MODEL.energies, {"state": STATE}),
-    "Model.equilibrium": Door(MODEL.equilibrium, {"position": array(HOME.position), "rotation": rotation()}),
+    "Model.equilibrium": Door(
+        equilibrium,
+        {"position": array(HOME.position, none=True), "rotation": rotation(none=True)}
+        | {"forces": array(AT_HOME, none=True), "guess": GUESS}
+        | {"wrenches": DRIVEN["wrenches"], "parameters": VALUES},
+    ),
     "Model.forward": Door(MODEL.forward, JOINTED, "sag"),
     "Model.forward_all": Door(
         partial(MODEL.forward_all, starts=1), JOINTED | {"starts": whole(1), "seed": whole(0)}

@@ -1,136 +1,219 @@
-"""Static equilibrium under gravity: the platform bends until all forces balance."""
+"""Static equilibrium: platform and legs bend until all forces balance.
 
-import warnings
-from collections.abc import Callable
+Damped Newton with the exact stiffness of `statics.py`, for the bend, the carried coordinates of the legs, and
+either the forces of the actuators, where a pose or the actuated joints are given, or the pose, where the
+forces are.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
+from parflex.analysis.buckling import check_stability
 from parflex.analysis.health import check_health, on_closure, single
-from parflex.analysis.leg_sag import sagging
 from parflex.analysis.mobility import freed_twist, null_space, show, span
-from parflex.base.array import Array, block_diagonal, join, transpose
+from parflex.analysis.statics import Statics, firmness, held_load, statics, stiffness
+from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError, NotConverged
 from parflex.compiled.functions import Functions
-from parflex.mechanics import system as assembly
-from parflex.mechanics.closure import closure_matrix
+from parflex.mechanics.closure import ALL, CLOSED, LARGEST_TURN, closed, displaced
+from parflex.mechanics.derivatives.changes import Load
 from parflex.mechanics.flat_state import projected, state_of
-from parflex.mechanics.leg_terms import selection
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.system import System, examined
+from parflex.mechanics.system import examined
+from parflex.robot.layout import Layout
 from parflex.robot.state import State
+from parflex.robot.wrench import Wrench
 
-SETTLED = 1e-13  # of the first bend: a change that is round-off
-TOO_SOFT = (
-    "no equilibrium was found near the undeformed platform; it is too soft for its "
-    "weight at this pose: raise its frequencies or move the pose"
-)
+STEPS = 40
+SETTLED = 1e-15  # of the platform's size: a step that is round-off
+NEARLY = 1e-9  # of it: a step that may be the last, where round-off leaves no shorter one
+SHORTEST = 1e-3  # of a Newton step
+NEUTRAL = 1e-10  # of the largest stiffness: motions along which nothing pulls
+BALANCED = 1e-9  # of the largest force
+
+Hold = Callable[[Statics], Array]  # rows (c, d) of motions that are not free
 
 
-def equilibrium(mechanism: Mechanism, place: Callable[[Array], Array]) -> tuple[Array, Array]:
-    """The flat state at rest, and the actuator forces (m,) that hold it.
+class Step(NamedTuple):
+    """A step of Newton's method at a flat state, its length in metres, and the forces (m,) there."""
 
-    `place` gives the flat state for a bend q_e (N,). For a given bend, forces and moments balance
-    linearly; the bend they cause is iterated on, by Anderson's method and, where that does not settle, by
-    Powell's.
+    at: Statics
+    motion: Array  # (6 + N + z,)
+    length: float
+    forces: Array
 
-    Raises InputError for a mode without stiffness, NotConverged where no forces hold the platform or
-    it is too soft for a small deflection.
+
+def equilibrium(
+    mechanism: Mechanism,
+    start: Array,
+    moved: Callable[[Array, Array], Array],
+    hold: Hold | None,
+    load: Load,
+    forces: Array,
+) -> tuple[Array, Array]:
+    """The flat state at rest, and the actuator forces (m,) that hold it, from a flat state and forces.
+
+    `moved` takes a flat state and a displacement to a flat state on the closure. The forces are sought for
+    where some motions are held, else they stay.
+
+    Raises InputError for a mode without stiffness, NotConverged where no forces hold the platform, where what
+    bends is too soft, or where a leg buckles.
     """
-    modes = mechanism.platform.modes
-    if modes and not np.all(mechanism.platform.stiffness > 0):
+    bends = np.concatenate([np.full(mechanism.platform.modes, True), mechanism.bends])
+    if not np.all(firmness(mechanism)[6:][bends] > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
-
-    def bend(q_e: Array) -> tuple[Array, Array]:
-        flat = place(q_e)
-        system = assembly.assembled(mechanism, flat)
-        f, forces = balance(mechanism, system, flat)
-        load = system.W_e @ f + mechanism.platform.moments.S.T @ (system.x.rotation.T @ mechanism.gravity)
-        return load / mechanism.platform.stiffness, forces
-
-    q_e = fixed_point(lambda q: bend(q)[0], modes) if modes else np.zeros(0)
-    found = place(q_e)
-    kept = found[mechanism.layout.at.elastic]
-    apart = np.max(np.abs(kept - q_e), initial=0.0) > 1e-6 * np.max(np.abs(q_e), initial=0.0)
-    if apart and bends(mechanism, found):
-        raise NotConverged(TOO_SOFT)
-    return found, bend(q_e)[1]
+    now = newton_step(mechanism, start, hold, load, forces)
+    for _ in range(STEPS):
+        if now.length <= SETTLED * mechanism.size:
+            break
+        later = shortened(mechanism, now, moved, hold, load)
+        if later is None:
+            break
+        now = later
+    if not now.length <= NEARLY * mechanism.size:
+        raise NotConverged(not_found(mechanism, hold, now.length))
+    check_balance(mechanism, now, hold)
+    check_stability(now.at, now.forces, load)
+    return now.at.x, now.forces
 
 
-def bends(mechanism: Mechanism, flat: Array) -> bool:
-    """True where the legs let the platform bend further; where not, they keep its bend against any load."""
-    motions = null_space(closure_matrix(assembly.assembled(mechanism, flat)))
-    return bool(np.any(np.abs(motions[mechanism.layout.displacements.elastic]) > 1e-6))
+def newton_step(mechanism: Mechanism, x: Array, hold: Hold | None, load: Load, forces: Array) -> Step:
+    """The step from a flat state, by H at the forces there; where motions are held with the shortest forces
+    that leave nothing along them."""
+    at = statics(mechanism, x, load)
+    free = np.eye(len(at.push)) if hold is None else null_space(hold(at))
+    H = stiffness(at, forces, load) if free.shape[1] else np.zeros((len(free), len(free)))
+    lengths = np.linalg.norm(H @ free, axis=0)
+    firm = lengths > NEUTRAL * max(
+        float(np.max(lengths, initial=0.0)), float(np.max(np.abs(at.push), initial=0.0)) / mechanism.size
+    )
+    free, lengths = free[:, firm], lengths[firm]
+    soft = H @ free / lengths
+    if hold is not None:
+        rest = null_space(soft.T).T
+        forces = np.linalg.lstsq(rest @ at.drive, -rest @ at.push, rcond=1e-10)[0]
+    eased = np.linalg.lstsq(soft, at.push + at.drive @ forces, rcond=1e-12)[0]
+    zeta = free @ (eased / lengths)
+    length = float(np.max(np.abs(at.basis @ zeta), initial=0.0))
+    longest = LARGEST_TURN * mechanism.size
+    return Step(at, at.T @ (zeta * min(1.0, longest / max(length, 1e-300))), length, forces)
 
 
-def fixed_point(bend: Callable[[Array], Array], modes: int) -> Array:
-    """The bend (N,) that causes itself; raises NotConverged where none is found near zero."""
-    from scipy.linalg import LinAlgWarning
-    from scipy.optimize import NoConvergence, anderson, root
+def shortened(
+    mechanism: Mechanism, now: Step, moved: Callable[[Array, Array], Array], hold: Hold | None, load: Load
+) -> Step | None:
+    """The step after the longest part of a step that is followed by a shorter one; None where none is."""
+    part = 1.0
+    while part >= SHORTEST:
+        try:
+            later = newton_step(mechanism, moved(now.at.x, part * now.motion), hold, load, now.forces)
+            if later.length < now.length:
+                return later
+        except (InputError, np.linalg.LinAlgError):  # out of reach, or off the closure
+            pass
+        part /= 4
+    return None
 
-    none = np.zeros(modes)
-    nearly = SETTLED * float(np.max(np.abs(bend(none)), initial=1e-12))
 
-    def excess(q: Array) -> Array:
-        return bend(q) - q
+def not_found(mechanism: Mechanism, hold: Hold | None, left: float) -> str:
+    """The words for what was looked for, what remains, and the remedy."""
+    if hold is None:
+        return (
+            f"no equilibrium under these forces was found from the guess, a step of {left:.2g} m remains; "
+            f"give a guess nearer to it, or forces that balance the weight"
+        )
+    return (
+        f"no equilibrium was found near the undeformed robot, a step of {left:.2g} m remains; it is too soft "
+        f"for its weight and loads at this pose: raise its frequencies or move the pose"
+    )
 
-    options = {"alpha": 1.0, "w0": 1e-6, "line_search": None, "f_tol": nearly, "maxiter": 40}
-    try:
-        with warnings.catch_warnings():  # the last steps are round-off, and depend on one another
-            warnings.simplefilter("ignore", LinAlgWarning)
-            return np.asarray(anderson(excess, none, **options))
-    except (NoConvergence, ValueError, np.linalg.LinAlgError, NotConverged):
-        found: Array = root(excess, none, options={"xtol": 1e-14}).x
-    if not np.all(np.abs(excess(found)) <= 1e-9 * np.max(np.abs(found), initial=1e-12)):
-        raise NotConverged(TOO_SOFT)
+
+def check_balance(mechanism: Mechanism, now: Step, hold: Hold | None) -> None:
+    """Raise NotConverged where forces are left along motions that nothing holds."""
+    left = now.at.push + now.at.drive @ now.forces
+    largest = max(1.0, float(np.max(np.abs(now.at.push), initial=0.0)))
+    if np.max(np.abs(left), initial=0.0) > BALANCED * largest:
+        none = "no actuator forces hold the platform in this pose" if hold else "these forces hold it nowhere"
+        raise NotConverged(
+            f"{none}; nothing carries its weight along the "
+            f"twist (v, ω) = {show(freed_twist(mechanism, now.at.x))}, nearest to a parallel singularity"
+        )
+
+
+def held_pose(at: Statics) -> Array:
+    """Rows (c, d) of the motions of Σp that the legs allow without bending."""
+    first = 6 + at.system.mechanism.platform.modes
+    bends = np.concatenate([np.arange(6, first), first + np.flatnonzero(at.system.mechanism.bends)])
+    rigid = at.basis @ null_space(at.basis[bends])
+    found: Array = span(rigid[:6]) @ at.basis[:6]
     return found
 
 
-def at_rest(functions: Functions, name: str, state: State) -> tuple[Array, Array]:
+def held_joints(at: Statics) -> Array:
+    """Rows (m, d) of the actuated joints."""
+    lengths = np.linalg.norm(at.drive, axis=0)
+    return (at.drive / np.where(lengths > 0, lengths, 1.0)).T
+
+
+def at_rest(
+    functions: Functions, name: str, state: State, wrenches: Sequence[Wrench] = ()
+) -> tuple[Array, Array]:
     """The equilibrium at the pose of a state, as a flat state, and the forces (m,) that hold it.
 
-    Joints that the state names are a start. Raises InputError for a batch, NotConverged where the
-    platform is too soft, and as `Model.direct` where the pose is none.
+    Joints that the state names are a start. Raises InputError for a batch, NotConverged as `equilibrium`, and
+    as `Model.direct` where the pose is none.
     """
-    mechanism = functions.mechanism
+    mechanism = functions.solvable
     of_type(name, state, State)
     still = State(state.position, state.rotation, joints=state.joints)
     start = single(name, on_closure(mechanism, still))
     check_health(mechanism, examined(mechanism, start)[1])
-    if any(mechanism.layout.elastic):
-        return sagging(functions, start)
 
-    def held(q_e: Array) -> Array:
-        return projected(mechanism, state_of(mechanism, bent(mechanism, start, q_e)))
-
-    return equilibrium(mechanism, held)
-
-
-def bent(mechanism: Mechanism, x: Array, q_e: Array) -> Array:
-    """The flat state with another bend q_e (N,)."""
-    other = np.array(x)
-    other[mechanism.layout.at.elastic] = q_e
-    return other
-
-
-def balance(mechanism: Mechanism, system: System, flat: Array) -> tuple[Array, Array]:
-    """Contact forces (3k,) and Γ (m,) of least norm that hold the robot still.
-
-    Legs: Jᵀ f − S Γ = −c; platform: W_p f = c_r.
-    """
-    Jt = assembly.diagonal([block_diagonal(transpose(leg.J)) for leg in system.legs])
-    selections = [np.stack([selection(leg.group)] * len(leg.group.legs)) for leg in system.legs]
-    S = assembly.diagonal([block_diagonal(part) for part in selections])[:, mechanism.force_order]
-    c = join([np.zeros(0), *(leg.c.reshape(-1) for leg in system.legs)])
-    A = np.block([[Jt, -S], [system.W_p, np.zeros((6, S.shape[1]))]])
-    b = np.concatenate([-c, system.platform.c_r])
-    solution = np.linalg.lstsq(A, b, rcond=None)[0]
-    if not np.allclose(A @ solution, b, rtol=0, atol=1e-9 * max(1.0, np.max(np.abs(b)))):
-        raise NotConverged(
-            f"no actuator forces hold the platform in this pose; nothing carries its weight along the "
-            f"twist (v, ω) = {show(freed_twist(mechanism, flat))}, nearest to a parallel singularity"
+    def moved(x: Array, motion: Array) -> Array:
+        return projected(
+            mechanism, state_of(mechanism, bent(mechanism, start, displaced(mechanism, x, motion)))
         )
-    contacts = Jt.shape[1]
-    spare = span(null_space(A)[contacts:])
-    forces = solution[contacts:] - spare.T @ (spare @ solution[contacts:])
-    return np.linalg.lstsq(A[:, :contacts], b - A[:, contacts:] @ forces, rcond=None)[0], forces
+
+    none = np.zeros(mechanism.n_forces)
+    return equilibrium(mechanism, start, moved, held_pose, held_load(mechanism, wrenches), none)
+
+
+def under_forces(
+    functions: Functions, forces: Array, guess: State, wrenches: Sequence[Wrench] = ()
+) -> tuple[Array, Array]:
+    """The equilibrium under actuator forces (m,), as a flat state, from a guess at rest.
+
+    Raises as `at_rest`.
+    """
+    mechanism = functions.solvable
+    of_type("guess", guess, State)
+    still = State(
+        guess.position,
+        guess.rotation,
+        elastic=guess.elastic,
+        joints=guess.joints,
+        leg_elastic=guess.leg_elastic,
+    )
+    start = single("guess", on_closure(mechanism, still))
+    check_health(mechanism, examined(mechanism, start)[1])
+
+    def moved(x: Array, motion: Array) -> Array:
+        found, gap = closed(mechanism, displaced(mechanism, x, motion), ALL)
+        if not gap <= 10 * CLOSED * mechanism.size:
+            raise NotConverged(f"a gap of {gap:.1e} m remains")
+        check_health(mechanism, examined(mechanism, found)[1])
+        return found
+
+    return equilibrium(mechanism, start, moved, None, held_load(mechanism, wrenches), forces)
+
+
+def bent(mechanism: Mechanism, x: Array, like: Array) -> Array:
+    """The flat state with the bend and the carried coordinates of another."""
+    layout: Layout = mechanism.layout
+    other = np.array(x)
+    for part in (layout.at.elastic, layout.at.joints):
+        other[part] = like[part]
+    return other

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.analysis.equilibrium import bent, equilibrium
+from parflex.analysis.equilibrium import bent, equilibrium, held_joints
 from parflex.analysis.health import single
+from parflex.analysis.statics import held_load
 from parflex.base.array import Array
 from parflex.base.check import exactly, integer, of_type
 from parflex.base.errors import NotConverged
@@ -13,6 +14,7 @@ from parflex.base.spatial import within_half_a_turn
 from parflex.mechanics.closure import CLOSED, POSE, displaced, posed, units
 from parflex.mechanics.flat_state import flat_state
 from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.redundancy import with_rows
 from parflex.robot.layout import Layout, coordinates
 from parflex.robot.state import State
 
@@ -30,10 +32,12 @@ def forward(mechanism: Mechanism, joints: ArrayLike, guess: State | None, sag: b
     if not sag:
         return pose(mechanism, wanted, start)
 
-    def sagging(q_e: Array) -> Array:
-        return pose(mechanism, wanted, bent(mechanism, start, q_e))
+    def moved(x: Array, motion: Array) -> Array:
+        return pose(mechanism, wanted, bent(mechanism, x, displaced(mechanism, x, motion)))
 
-    return equilibrium(mechanism, sagging)[0]
+    mechanism = with_rows(mechanism)
+    there, none = pose(mechanism, wanted, start), np.zeros(len(wanted))
+    return equilibrium(mechanism, there, moved, held_joints, held_load(mechanism, ()), none)[0]
 
 
 def forward_all(

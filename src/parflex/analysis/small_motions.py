@@ -13,6 +13,7 @@ import numpy as np
 from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.gains import gain_matrix
 from parflex.analysis.mobility import motions, null_space, scaled_closure
+from parflex.analysis.statics import held_load, linearised
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
@@ -20,6 +21,7 @@ from parflex.kernels.motion import derivative
 from parflex.mechanics.closure import EVERY, accelerated, actuated_rows, displaced, units
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import FrameOutput
+from parflex.mechanics.system import assembled
 from parflex.robot.state import State
 
 STEP = 1e-6  # of the platform's size, for differences
@@ -43,7 +45,8 @@ class SmallMotions:
     @cached_property
     def KC(self) -> tuple[Array, Array]:
         """K (d, d) 1/s² and C (d, d) 1/s."""
-        return slopes(self.functions, self.x, self.T, lambda states: self.forces)
+        mechanism = self.functions.solvable
+        return linearised(assembled(mechanism, self.x), self.T, self.forces, held_load(mechanism, ()))
 
     @cached_property
     def B(self) -> Array:

@@ -1,6 +1,7 @@
 """The kernels of one mechanism, compiled when they are first asked for, and kept."""
 
 from copy import copy
+from dataclasses import replace
 from functools import cached_property
 from threading import Lock
 
@@ -51,6 +52,12 @@ class Functions:
         if not self.parameters.items or isinstance(kernel, Parametrised):
             return kernel
         return parametrised(self.parameters, self._solvable, build, *chosen)
+
+    @property
+    def solvable(self) -> Mechanism:
+        """The mechanism at these values, with the rows of its closure that the models solve."""
+        first = self._solvable
+        return replace(self.mechanism, rows=first.rows, rows_unbent=first.rows_unbent)
 
     @cached_property
     def _solvable(self) -> Mechanism:

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from parflex.base.array import Array, join, merged, mv
+from parflex.base.array import Array, merged
 from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import contact, dynamics
 from parflex.mechanics import system as assembly
@@ -104,21 +104,6 @@ def frozen_inverse(mechanism: Mechanism) -> Kernel:
         return {"forces": dynamics.frozen_inverse(assembly.assembled(mechanism, x), platform)[0]}
 
     return kernel("frozen_inverse", function, mechanism, ("forces",))
-
-
-def sag(mechanism: Mechanism) -> Kernel:
-    """Γ that holds the robot at rest as it is bent, and by how much its bend is to change: of the platform's
-    modes, and as `stiffening.unbalanced`."""
-    at_rest, stiffness = np.zeros(6), mechanism.platform.stiffness
-
-    def function(x: Array) -> Vectors:
-        system = assembly.assembled(mechanism, x)
-        forces, f = dynamics.frozen_inverse(system, at_rest)
-        excess = (system.platform.c_e - mv(system.W_e, f)) / stiffness
-        return {"forces": forces, "excess": join([excess, unbalanced(system, forces, f)])}
-
-    size = mechanism.platform.modes + mechanism.layout.carried
-    return kernel("sag", function, mechanism, ("forces", "excess"), excess=size)
 
 
 def contact_matrix(mechanism: Mechanism) -> Kernel:

@@ -6,7 +6,7 @@ from functools import partial
 
 from numpy.typing import ArrayLike
 
-from parflex.analysis import equilibrium, forward, health, mobility, zero_dynamics
+from parflex.analysis import forward, health, mobility, zero_dynamics
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together
 from parflex.kernels import models as kernels
@@ -21,6 +21,7 @@ from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Values, Wrenches
 from parflex.model.renamed import renamed
+from parflex.model.rest import equilibrium_of
 from parflex.model.results import (
     Accelerations,
     DirectJacobian,
@@ -245,16 +246,26 @@ class Model:
         found = forward.forward_all(self._core.mechanism, joints, guess, starts, seed)
         return [self._core.state(x) for x in found]
 
-    def equilibrium(self, position: ArrayLike, rotation: ArrayLike) -> tuple[State, Array]:
-        """The equilibrium under gravity at a pose of Σp: the bent platform, and the forces (m,).
+    def equilibrium(
+        self,
+        position: ArrayLike | None = None,
+        rotation: ArrayLike | None = None,
+        *,
+        forces: ArrayLike | None = None,
+        guess: State | None = None,
+        wrenches: Wrenches = (),
+        parameters: Values = None,
+    ) -> tuple[State, Array]:
+        """The equilibrium under gravity, springs and wrenches at a pose of Σp: the state, platform and legs
+        bent, and the forces (m,) that hold it; or the one under given forces (m,) that is found from a guess
+        at rest, by default home.
 
         Where the legs do not allow the pose with the platform bent, it is the nearest they allow.
 
-        Raises NotConverged where the platform is too soft for a small deflection.
+        Raises InputError for batches, NotConverged where nothing is found near, where no forces hold the
+        platform, where it is too soft for a small deflection or a leg buckles.
         """
-        state = State(position, rotation)
-        x, forces = equilibrium.at_rest(self._core.functions, "position and rotation", state)
-        return self._core.state(x), forces
+        return equilibrium_of(self._core, position, rotation, forces, guess, wrenches, parameters)
 
     legs = renamed("legs", joints)
     pose = renamed("pose", forward)
