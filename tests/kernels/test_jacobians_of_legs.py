@@ -90,6 +90,7 @@ def test_direct_against_differences(case):
     assert by_column(np.concatenate([found.load, found.carried_load]), expected) <= DIFFERENCES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("backend", ["vm", "native"])
 def test_backends_agree(name, backend):
@@ -141,7 +142,7 @@ def test_inverse_against_differences(case):
 
 
 @pytest.mark.parametrize("kind", ["stored", "mixed"])
-@pytest.mark.parametrize("backend", ["numpy", "vm"])
+@pytest.mark.parametrize("backend", ["numpy", pytest.param("vm", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", NAMES)
 def test_parameters_against_differences(name, kind, backend):
     """Inertia, friction and springs of joints, gravity and the platform's payload: the direct model is linear
@@ -172,6 +173,7 @@ def test_parameters_against_differences(name, kind, backend):
     assert by_column(rows, found) <= DIFFERENCES
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize("law", ["forces", "joint controller"])
 def test_motions_of_implicit_integrators(name, law):
@@ -185,6 +187,7 @@ def test_motions_of_implicit_integrators(name, law):
     assert by_column(bound.jacobian(0.0, x), by_differences(bound, 0.0, x)) <= 2e-6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_an_implicit_integrator_moves_as_an_explicit_one(name):
     """Radau with exact derivatives, and DOP853, within what their tolerances promise."""

@@ -88,7 +88,7 @@ def with_step(model: pf.Model, name: str, part: float) -> dict[str, np.ndarray]:
     return {name: np.asarray(model.parameters[name]) * (1 + part)}
 
 
-@pytest.mark.parametrize("backend", ["numpy", "vm"])
+@pytest.mark.parametrize("backend", ["numpy", pytest.param("vm", marks=pytest.mark.slow)])
 def test_derivatives_by_sections_and_flexures(backend):
     """Bent and in motion, rows of the legs too, against central differences of the direct model, extrapolated
     once; of a stiffness along its own way."""
