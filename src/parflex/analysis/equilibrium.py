@@ -28,7 +28,7 @@ from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
 
 STEPS = 40
-SETTLED = 1e-15  # of the platform's size: a step that is round-off
+SETTLED = 1e-18  # of the platform's size: a step that is round-off
 NEARLY = 1e-9  # of it: a step that may be the last, where round-off leaves no shorter one
 SHORTEST = 1e-3  # of a Newton step
 NEUTRAL = 1e-10  # of the largest stiffness: motions along which nothing pulls
@@ -107,7 +107,7 @@ def shortened(
 ) -> Step | None:
     """The step after the longest part of a step that is followed by a shorter one; None where none is."""
     part = 1.0
-    while part >= SHORTEST:
+    while part >= (1.0 if now.length <= NEARLY * mechanism.size else SHORTEST):
         try:
             later = newton_step(mechanism, moved(now.at.x, part * now.motion), hold, load, now.forces)
             if later.length < now.length:
