@@ -122,7 +122,8 @@ class ComputedTorque(Controller):
     `preload` (m,).
 
     legs is "moving", or "static" where legs bend between motors and platform: the forces then are those that
-    the legs would need if they did not accelerate in their bend. The servos of such legs do without this.
+    the legs would need if they did not accelerate in their bend. The pose is not seen where the motors are:
+    legs without any damping swing up under this, and `Servo` does without it.
 
     A run that starts beyond a dynamic singularity of the output, where this control is unstable,
     warns of it (DynamicSingularity).
