@@ -90,8 +90,8 @@ class Rods(LegType):
         for t, rod in enumerate(hung):
             w = self._along(group, tips[..., t, :], rod, cos[0], sin[0], length[0])
             if rod.last > rod.first:
-                way = w / np.sqrt(dot(w, w))[..., None]
-                (cos[rod.first], sin[rod.first]), second, _ = universal(way, rod.tip, rod.side)
+                full = np.sqrt(dot(w, w))
+                (cos[rod.first], sin[rod.first]), second, _ = universal(w, rod.tip, rod.side, full)
                 cos[rod.last], sin[rod.last] = second
             else:
                 radius, x, y = np.sqrt(level_square(w)), rod.tip[..., 0], rod.tip[..., 1]

@@ -7,6 +7,9 @@ import numpy as np
 from parflex.base.array import Array, stack
 
 
+ONE = np.ones(())
+
+
 class Angles(NamedTuple):
     """(cos, sin) of both angles of a universal joint, and the outward part of what it turns."""
 
@@ -15,20 +18,21 @@ class Angles(NamedTuple):
     outward: Array  # (…, L), across the first axis and the second
 
 
-def universal(u: Array, w: Array, side: Array) -> Angles:
-    """The angles with u = Rot(z, first) Rot(x, side π/2) Rot(z, second) w, for |u| = |w| and side ±1 (L,).
+def universal(u: Array, way: Array, side: Array, size: Array = ONE) -> Angles:
+    """The angles with u = Rot(z, first) Rot(x, side π/2) Rot(z, second) w, w = size · way, for |u| = |w| and
+    side ±1 (L,).
 
     The solution is the one whose outward part is positive.
     """
-    across, rise = side * w[..., 2], side * u[..., 2]
+    across, rise = side * (size * way[..., 2]), side * u[..., 2]
     outward = np.sqrt(u[..., 0] * u[..., 0] + u[..., 1] * u[..., 1] - across * across)
     ratio = across / outward
-    level = outward * (1.0 + ratio * ratio)  # zeros among the parts of w cost nothing in compiled code
-    reach = w[..., 0] * w[..., 0] + w[..., 1] * w[..., 1]
+    level = outward * (1.0 + ratio * ratio)  # zeros among the parts of the way cost nothing in compiled code
     first = ((u[..., 0] - u[..., 1] * ratio) / level, (u[..., 1] + u[..., 0] * ratio) / level)
+    far, high, reach = outward / size, rise / size, way[..., 0] * way[..., 0] + way[..., 1] * way[..., 1]
     second = (
-        (w[..., 0] * outward + w[..., 1] * rise) / reach,
-        (w[..., 0] * rise - w[..., 1] * outward) / reach,
+        (way[..., 0] * far + way[..., 1] * high) / reach,
+        (way[..., 0] * high - way[..., 1] * far) / reach,
     )
     return Angles(first, second, outward)
 
