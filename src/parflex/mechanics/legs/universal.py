@@ -6,7 +6,6 @@ import numpy as np
 
 from parflex.base.array import Array, stack
 
-
 ONE = np.ones(())
 
 
