@@ -107,7 +107,7 @@ class Joints(NamedTuple):
     cos: Array  # (…, L, n); 1 for a prismatic joint
     sin: Array  # (…, L, n); 0 for a prismatic joint
     length: Array  # (…, L, n); 0 for a revolute joint
-    bend: Array  # (…, L, ΣN), the elastic coordinates of the links
+    bend: Array = np.zeros(0)  # (…, L, ΣN), the elastic coordinates of the links
 
 
 class Frames(NamedTuple):
