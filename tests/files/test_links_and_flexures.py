@@ -210,6 +210,12 @@ BAD = {
     ),
     "two links": ((RODS, RODS[:-3] + ", " + BODY.format("link")), 11, "joints[2] gives beam and body"),
     "a wall of nothing": (('"68 mm"', '"80 mm"'), 10, "beam.inner is 0.08; it must be less than outer"),
+    "a number for a beam": ((RODS, "beam = 3 },"), 11, "joints[2].beam is 3; expected a table"),
+    "no density": (
+        (", density = 7850, bending = 1 }", ", bending = 1 }"),
+        10,
+        "give density of the material",
+    ),
     "no length": (('[0, "-700 mm", 0]', "[0, 0, 0]"), 10, "beam.end is [0.0, 0.0, 0.0], where the beam"),
     "poisson": (("poisson = 0.29", "poisson = 0.6"), 10, "beam.poisson is 0.6; it must lie between -1 and"),
     "too many": (

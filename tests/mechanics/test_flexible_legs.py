@@ -90,3 +90,18 @@ def test_elastic_coordinates_of_another_number_are_refused():
     bad = replace(model.robot.home, leg_elastic=(np.zeros(3),) * 6)
     with pytest.raises(pf.InputError, match="this leg has 7 elastic coordinates"):
         model.direct(bad, np.zeros(6))
+
+
+def test_forward_geometry_keeps_the_bend_of_the_guess():
+    """The actuated joints of a bent robot lead back to its pose, from its bend; one of all poses is that."""
+    name = NAMES[0]
+    model = pf.Model(flexlegs.robot(name), "numpy")
+    home, bend = model.robot.home, flexlegs.arrays(name)["leg_elastic"][0]
+    state = replace(home, leg_elastic=tuple(bend))
+    driven = [[joint.mu for joint in leg.joints].index(1) for leg in model.robot.legs]
+    joints = [q[j] for q, j in zip(model.joints(state).q, driven, strict=True)]
+    found = model.forward(joints, replace(state, position=home.position + (0.002, -0.001, 0.001)))
+    poses = model.forward_all(joints, state, starts=3)
+    for there in (found, poses[0]):
+        assert np.max(np.abs(there.position - home.position)) <= 1e-10
+        assert np.array_equal(np.stack(there.leg_elastic), bend)

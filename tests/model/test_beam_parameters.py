@@ -135,3 +135,23 @@ def test_refused_values():
     model = pf.Model(robot(), "numpy", [OUTER])
     with pytest.raises(pf.InputError, match="outer"):
         model.with_parameters({OUTER: -0.01})
+
+
+def test_bores_wider_than_their_tubes_are_refused():
+    """As the beam itself would, beside a diameter that is the robot's own or a parameter; batches, too."""
+    inner, outer = (f"legs[0].joints[1].body.beam.{name}" for name in ("inner", "outer"))
+    for names in ([inner], [outer, inner]):
+        model = pf.Model(robot(), "numpy", names)
+        for value in (0.09, [0.05, 0.08]):
+            with pytest.raises(pf.InputError, match=r"inner is 0\.0[89]; it must be less than outer"):
+                model.direct(model.robot.home, np.zeros(6), parameters={inner: value})
+    model.direct(model.robot.home, np.zeros(6), parameters={inner: 0.09, outer: 0.1})
+
+
+def test_springs_that_are_none_are_refused():
+    """As the flexure itself would: a matrix that is not symmetric, or pushes."""
+    model = pf.Model(robot(), "numpy", [STIFFNESS])
+    skewed = SPRING + np.eye(3, k=1)
+    for value, words in ((skewed, "symmetric"), ([SPRING, -SPRING], "negative in any direction")):
+        with pytest.raises(pf.InputError, match=words):
+            model.direct(model.robot.home, np.zeros(6), parameters={STIFFNESS: value})

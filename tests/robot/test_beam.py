@@ -204,6 +204,8 @@ MISUSE = {
     "half a shape": (dict(torsion=0.5), "Beam.torsion is 0.5; it must be a whole number"),
     "no flag": (dict(static=1), "Beam.static is 1; give True or False"),
     "negative damping": (dict(damping_ratio=-0.1), "Beam.damping_ratio is -0.1; it cannot be negative"),
+    "a hair": (dict(outer=1e-200, inner=0), "Beam.outer is 1e-200, of no body there is; give it in SI"),
+    "a planet": (dict(density=1e30), r"Beam.density is 1e\+30, of no body there is; give it in SI"),
     "damping of others": (dict(damping_ratio=[0.1] * 3), "Beam.damping_ratio has 3 entries; give one for"),
 }  # fmt: skip
 

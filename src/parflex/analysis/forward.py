@@ -53,7 +53,13 @@ def given(mechanism: Mechanism, joints: ArrayLike, guess: State | None) -> tuple
     wanted = exactly("joints", joints, (mechanism.n_forces,))
     start = mechanism.robot.home if guess is None else guess
     of_type("guess", start, State)
-    still = State(start.position, start.rotation, elastic=start.elastic, joints=start.joints)
+    still = State(
+        start.position,
+        start.rotation,
+        elastic=start.elastic,
+        joints=start.joints,
+        leg_elastic=start.leg_elastic,
+    )
     return wanted, single("guess", flat_state(mechanism, still))
 
 
@@ -87,10 +93,10 @@ def every_pose(mechanism: Mechanism, wanted: Array, start: Array, starts: int, s
 
 def same(mechanism: Mechanism, a: Array, b: Array) -> bool:
     """True where two flat states are one pose, with the same joints but for full turns."""
-    layout, robot = mechanism.layout, mechanism.robot
-    slides = [j.sigma for leg, n in zip(robot.legs, layout.joints, strict=True) if n for j in leg.joints]
+    layout = mechanism.layout
+    straight = (mechanism.slides | mechanism.bends)[mechanism.kept]
     apart = coordinates(a, layout).s - coordinates(b, layout).s
-    apart = np.where(np.array(slides, dtype=bool), apart, within_half_a_turn(apart))
+    apart = np.where(straight, apart, within_half_a_turn(apart))
     size = mechanism.size
     return max(distance(layout, a, b, size), np.max(np.abs(apart), initial=0.0)) < SAME * max(1.0, size)
 

@@ -1,5 +1,6 @@
 """Sentences for what pydantic finds: each names field, value and remedy."""
 
+import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -10,6 +11,7 @@ from parflex.files.quantity import shown
 Schema = dict[str, Any]
 
 
+TABLE = re.compile(r"a (valid )?dictionary( or instance of \w+)?")
 MOST_UNKNOWN = 100  # keys that are looked at for misspelt names
 
 
@@ -60,7 +62,7 @@ def words_of(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
     words = (
         str(found["msg"]).replace("Input should be", "expected").replace("a valid integer", "a whole number")
     )
-    return f"{field} is {shown(value)}; {words.replace('a dictionary', 'a table')}"
+    return f"{field} is {shown(value)}; {TABLE.sub('a table', words)}"
 
 
 def field_name(where: Where) -> str:

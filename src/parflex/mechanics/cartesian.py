@@ -95,7 +95,7 @@ def inverse_jacobian(leg: LegTerms) -> Array:
     if contacts != joints:
         raise InputError(
             f"the Cartesian form needs J⁻¹ of every leg, but legs {leg.group.legs} have {joints} "
-            f"joints and {contacts} contact force components; use model.direct and model.inverse"
+            f"joints and shapes, and {contacts} contact force components; use model.direct and model.inverse"
         )
     lengths = np.linalg.norm(leg.J, axis=-2, keepdims=True)
     sizes = np.linalg.svd(leg.J / np.maximum(lengths, np.finfo(float).tiny), compute_uv=False)

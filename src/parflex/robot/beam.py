@@ -45,7 +45,7 @@ class Beam:
     inner: float = given(kinds.LENGTH, "inner diameter of a tube", NOT_NEGATIVE, default=0.0)
     young: float = given(kinds.PRESSURE, "Young's modulus", POSITIVE)
     poisson: float = given(kinds.NUMBER, "Poisson's ratio")
-    density: float = given(kinds.DENSITY, "of the material", POSITIVE)
+    density: float = given(kinds.DENSITY, "density of the material", POSITIVE)
     bending: int = count("shapes in each of two planes", default=1)
     axial: int = count("shapes along the beam")
     torsion: int = count("shapes about the beam")
@@ -64,6 +64,10 @@ class Beam:
                 f"outer is {self.outer:.4g} m, of a beam that is {self.length:.4g} m long; if it is in mm, "
                 f'give {self.outer / 1000:.4g} m, in files "{self.outer:.4g} mm"'
             )
+        sizes = {"outer": self.outer, "end": self.length, "young": self.young, "density": self.density}
+        for name, value in sizes.items():
+            if not 1e-20 < value < 1e20:  # products of a few stay numbers
+                raise InputError(f"Beam.{name} is {value}, of no body there is; give it in SI units")
         _ = self.material  # raises
         given, modes = self.damping_ratio.size, self.modes
         if self.damping_ratio.ndim and given != modes:

@@ -59,6 +59,7 @@ class Flexure:
         Raises InputError for an axis without a direction, and for a number that is negative.
         """
         n = exactly("axis", axis, (3,))
+        n = n / max(float(np.max(np.abs(n))), np.finfo(float).tiny)
         if not np.any(n):
             raise InputError(f"axis is {n.tolist()}; give a direction")
         for name, value in (("bending", bending), ("torsion", torsion), ("damping", damping)):

@@ -229,11 +229,12 @@ def check_link(joint: Joint) -> None:
     """Raise InputError where a flexible link has its mass twice, or is not clamped at its frame."""
     body = joint.body
     assert body is not None
-    if joint.M or np.any(joint.MS) or np.any(joint.I):
-        raise InputError(
-            f"Joint.M is {joint.M} beside body, which has {body.moments.m:.4g} kg of its own; give the mass, "
-            f"MS and I of a link either by its body or as numbers"
-        )
+    for name in ("M", "MS", "I"):
+        if np.any(value := np.asarray(getattr(joint, name))):
+            raise InputError(
+                f"Joint.{name} is {value.tolist()} beside body, which has {body.moments.m:.4g} kg of its "
+                f"own; give the mass, MS and I of a link either by its body or as numbers"
+            )
     if not body.attachments:
         raise InputError(
             "Joint.body has no attachments; name the nodes at which its tips and the next joints sit"

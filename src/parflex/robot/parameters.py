@@ -19,7 +19,7 @@ from parflex.robot.beam import Beam, BeamBody
 from parflex.robot.beam_section import CHANGING
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
-from parflex.robot.flexure import Flexure
+from parflex.robot.flexure import Flexure, check_not_negative
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robot.robot import Robot
 
@@ -33,6 +33,7 @@ def of(kind: type) -> dict[str, Column]:
 
 OF_MASS = ("M", "MS", "I")  # which a flexible link has in its body
 OF_BEAM, OF_FLEXURE = "body.beam.", "flexure."  # the ways from a joint and from a tip to their numbers
+BORE = (OF_BEAM + "inner", OF_BEAM + "outer")
 KINDS = (
     "gravity, legs[i].joints[j].X or legs[*].joints[j].X with X one of " + ", ".join(of(Joint)) + ", or of "
     "body.beam." + ", body.beam.".join(CHANGING) + " where the link is a beam, legs[i].tips[j].flexure.X "
@@ -101,12 +102,14 @@ class Parameters:
             for item, value in zip(self.items, parts.values(), strict=True)
         }
         try:
-            return join([np.zeros(0), *flat.values()])
+            theta = join([np.zeros(0), *flat.values()])
         except ValueError:
             said = ", ".join(f"{value.shape[:-1]} of {name}" for name, value in flat.items())
             raise InputError(
                 f"parameters: the leading (batch) axes are {said}; they must broadcast together"
             ) from None
+        check_bores(self.first, self.items, parts)
+        return theta
 
     def split(self, theta: Array) -> list[tuple[Parameter, Array]]:
         """The parameters with their values (*shape) in θ (P,)."""
@@ -207,6 +210,23 @@ def check_apart(items: Sequence[Parameter]) -> None:
             taken[place] = item.name
 
 
+def check_bores(robot: Robot, items: Sequence[Parameter], values: Mapping[str, Array]) -> None:
+    """Raise InputError where a beam's inner diameter is not less than its outer one."""
+    given = {(item.field, leg, item.number): values[item.name] for item in items for leg in item.legs}
+    for field, leg, number in given:
+        if field not in BORE:
+            continue
+        joint = robot.legs[leg].joints[number]
+        inner, outer = (given.get((name, leg, number), attrgetter(name)(joint)) for name in BORE)
+        wide = np.asarray(inner) >= outer
+        if np.any(wide):
+            inner, outer = (np.broadcast_to(value, wide.shape)[wide][0] for value in (inner, outer))
+            raise InputError(
+                f"parameters: legs[{leg}].joints[{number}].{BORE[0]} is {inner}; it must be less than outer, "
+                f"which is {outer}"
+            )
+
+
 def own_value(robot: Robot, item: Parameter) -> Array:
     """The value (*shape) that the robot itself has.
 
@@ -252,4 +272,7 @@ def checked(item: Parameter, value: Any) -> Array:
     if item.field == "damping_ratio" and np.shape(value)[-1:] in ((), (1,)):
         value = np.broadcast_to(finite(name, value), np.shape(value)[:-1] + item.shape)
     array = finite(name, value, item.shape or None)
+    if item.field in (OF_FLEXURE + "stiffness", OF_FLEXURE + "damping"):
+        for matrix in array.reshape(-1, *item.shape):
+            check_not_negative(name, matrix)
     return array if item.rule is None else obeying(name, array, item.rule)

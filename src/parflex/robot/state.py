@@ -107,7 +107,7 @@ class State:
         except ValueError:
             raise InputError(
                 f"State: the leading (batch) axes of position, rotation, twist, elastic, "
-                f"elastic_rate and joints are {shapes}; they must broadcast together"
+                f"elastic_rate, and of the legs' fields, are {shapes}; they must broadcast together"
             ) from None
 
     def _by_leg(self) -> tuple[tuple[Array | None, ...] | None, ...]:
