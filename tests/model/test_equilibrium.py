@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import flexlegs
 import parflex as pf
@@ -142,6 +143,27 @@ def test_a_strut_is_refused_beyond_its_buckling_load():
     words = str(refused.value).split()
     numbers = [float(word) for word, unit in pairwise(words) if unit == "N"]
     assert numbers == pytest.approx([1.05 * BUCKLING, BUCKLING], rel=2e-3)
+
+
+def test_struts_far_beyond_their_buckling_load_are_named():
+    """A wire in a cylinder that is rigid and reaches a beyond it; at u = ℓ √(P/EI) their slopes meet where
+    tan u = −u a/ℓ. It is told of the straight strut, though Newton's method ends elsewhere."""
+    wire, thickness, young = 0.2, 5e-4, 205e9
+    cylinder = pf.Bar(mass=1e-4, length=0.22, outer=0.03)
+    rod = pf.Bar(outer=thickness, length=wire, density=7850, young=young, static=True)
+    sizes = {"base_radius": 0.25, "platform_radius": 0.15, "height": 0.3}
+    spreads = {"base_spread": np.radians(20), "platform_spread": np.radians(20)}
+    model = pf.Model(pf.robots.hexapod(**sizes, **spreads, strut=pf.Strut(cylinder, rod)), "numpy")
+    lengths = [q[2] for q in model.joints(model.robot.home).q]
+    a = lengths[0] - wire
+    u = brentq(lambda u: np.sin(u) + u * a / wire * np.cos(u), np.pi / 2, np.pi)
+    expected = young * np.pi / 64 * thickness**4 * (u / wire) ** 2
+    for call in (lambda: model.equilibrium(*model.robot.home_pose), lambda: model.forward(lengths, sag=True)):
+        with pytest.raises(pf.NotConverged, match="leg 1 is loaded with .* N and buckles from") as refused:
+            call()
+        words = str(refused.value).split()
+        numbers = [float(word) for word, unit in pairwise(words) if unit == "N"]
+        assert numbers[1] == pytest.approx(expected, rel=2e-3)
 
 
 def test_what_is_refused(hexapod):

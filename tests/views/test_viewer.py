@@ -307,3 +307,10 @@ def test_what_is_no_result_is_refused_in_a_sentence(tmp_path, content, words):
     with pytest.raises(pf.InputError, match=words) as said:
         pf.view(path)
     assert "\n" not in str(said.value)
+
+
+def test_what_is_no_result():
+    with pytest.raises(
+        pf.InputError, match="result is Robot; give the Result of a run, or the path of its file"
+    ):
+        pf.view(pf.robots.rps3())

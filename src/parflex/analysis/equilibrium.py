@@ -65,7 +65,7 @@ def equilibrium(
     bends = np.concatenate([np.full(mechanism.platform.modes, True), mechanism.bends])
     if not np.all(firmness(mechanism)[6:][bends] > 0):
         raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
-    now = newton_step(mechanism, start, hold, load, forces)
+    now = first = newton_step(mechanism, start, hold, load, forces)
     for _ in range(STEPS):
         if now.length <= SETTLED * mechanism.size:
             break
@@ -73,10 +73,7 @@ def equilibrium(
         if later is None:
             break
         now = later
-    if not now.length <= NEARLY * mechanism.size:
-        raise NotConverged(not_found(mechanism, hold, now.length))
-    check_balance(mechanism, now, hold)
-    check_stability(now.at, now.forces, load)
+    check_found(mechanism, first, now, hold, load)
     return now.at.x, now.forces
 
 
@@ -116,6 +113,22 @@ def shortened(
             pass
         part /= 4
     return None
+
+
+def check_found(mechanism: Mechanism, first: Step, now: Step, hold: Hold | None, load: Load) -> None:
+    """Raise NotConverged where the last step is not round-off, or ends where nothing lasts.
+
+    The load at which a leg buckles is told as it is at the start, where the leg is straight.
+    """
+    try:
+        if not now.length <= NEARLY * mechanism.size:
+            raise NotConverged(not_found(mechanism, hold, now.length))
+        check_balance(mechanism, now, hold)
+        check_stability(now.at, now.forces, load)
+    except NotConverged:
+        if hold is not None:
+            check_stability(first.at, first.forces, load)
+        raise
 
 
 def not_found(mechanism: Mechanism, hold: Hold | None, left: float) -> str:

@@ -13,6 +13,7 @@ import numpy as np
 from jinja2 import Environment
 
 from parflex.base.array import Array
+from parflex.base.errors import InputError
 from parflex.base.writing import replacing
 from parflex.simulation.result import Result
 from parflex.simulation.summary import scope_of
@@ -63,6 +64,10 @@ def view(
 
     Raises InputError where a file cannot be read, modes are of another platform, or k3d is not installed.
     """
+    if not isinstance(result, Result | str | os.PathLike):
+        raise InputError(
+            f"result is {type(result).__name__}; give the Result of a run, or the path of its file"
+        )
     found = judged(result.dataset) if isinstance(result, Result) else opened(Path(result))
     name = "" if isinstance(result, Result) else Path(result).name
     if modes is not None:
