@@ -105,3 +105,11 @@ def test_forward_geometry_keeps_the_bend_of_the_guess():
     for there in (found, poses[0]):
         assert np.max(np.abs(there.position - home.position)) <= 1e-10
         assert np.array_equal(np.stack(there.leg_elastic), bend)
+
+
+def test_links_bent_beyond_reach_are_told_of():
+    """Bent by metres, where no pose helps."""
+    model = pf.Model(flexlegs.robot(NAMES[0]), "numpy")
+    bad = replace(model.robot.home, leg_elastic=(np.full(7, 10.0),) * 6)
+    with pytest.raises(pf.OutOfReach, match="leg 1 cannot reach its attachment.*or bend its links less"):
+        model.direct(bad, np.zeros(6))

@@ -100,8 +100,9 @@ def check_legs(mechanism: Mechanism, health: Array) -> None:
     margins = health[..., at.margins]
     if margins.size == 0 or margins.min() > SINGULAR:
         return
+    less = ", or bend its links less" if np.any(mechanism.bends) else ""
     for part, error, what in (
-        (at.reach, OutOfReach, "cannot reach its attachment; move the pose or the base"),
+        (at.reach, OutOfReach, f"cannot reach its attachment; move the pose or the base{less}"),
         (at.regularity, SingularPose, "is singular (its passive joints lock); move the pose"),
     ):
         bad = ~(health[..., part] > SINGULAR)
