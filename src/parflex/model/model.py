@@ -124,7 +124,8 @@ class Model:
         more actuators than outputs the forces are the nearest to preload (…, m), by default the shortest.
 
         With legs="static" flexible legs bend under their loads and do not swing: the answer says how
-        (`leg_elastic`), and a state bent like that, at rest in its bend, gets the target from `direct`.
+        (`leg_elastic`), and a state bent like that, at rest in its bend, gets the target from `direct`. Legs
+        that would buckle under it are told by `equilibrium`, not here.
 
         Raises InputError for wrong shapes, states off the closure, fewer actuators than outputs, or where
         legs that bend leave less than half of a gain, unless allow_ill_posed; OutOfReach, NotConverged
@@ -157,8 +158,8 @@ class Model:
     ) -> InverseJacobian:
         """Derivatives of the forces of `inverse` by state and target; exact.
 
-        Raises as `inverse`, and InputError for a batch of wrenches, and where the output has not as many
-        rows as there are actuators.
+        Ill-posed outputs are differentiated as they are. Raises as `inverse` otherwise, and InputError for a
+        batch of wrenches, and where the output has not as many rows as there are actuators.
         """
         return inverse_jacobian_of(self._core, state, target, output, wrenches, parameters)
 
