@@ -90,10 +90,12 @@ def test_flexure_moments_are_the_gradient_of_their_energy(angle):
 
     def energy(delta: np.ndarray) -> np.ndarray:
         section = turn @ (np.eye(3) + skew(delta) + 0.5 * skew(delta) @ skew(delta))
-        return flexures.energy(tables, flexures.bent_angle(tables, section[..., None, None, :, :], leg[None]))
+        return flexures.energy(
+            tables, flexures.bent_angle(flexures.from_rest(tables, section[..., None, None, :, :], leg[None]))
+        )
 
     gradient = jacobian(energy, np.zeros((1, 3)))[0, 0]
-    theta = flexures.bent_angle(tables, turn[None, None], leg[None, None])
+    theta = flexures.bent_angle(flexures.from_rest(tables, turn[None, None], leg[None, None]))
     found = flexures.moments(tables, theta, np.zeros((1, 1, 3)))[0, 0]
     assert found == pytest.approx(-gradient, rel=0, abs=1e-10 * np.max(np.abs(gradient)))
 

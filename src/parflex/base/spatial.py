@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from parflex.base.array import Array, matrix, stack
+from parflex.base.array import Array, dot, matrix, skew, stack
 
 
 def rotation_from_quaternion(quaternion: Array) -> Array:
@@ -101,6 +101,13 @@ def vector_from_rotation(R: Array) -> Array:
     w, xyz = quaternion[0], quaternion[1:]
     size = float(np.linalg.norm(xyz))
     return 2 * math.atan2(size, abs(w)) * math.copysign(1.0, w) * xyz / size if size else np.zeros(3)
+
+
+def cayley(a: Array, maps: Array) -> tuple[Array, Array]:
+    """Cay(a) = (1 − â/2)⁻¹ (1 + â/2) (…, 3, 3) of a vector (…, 3) that changes by maps (…, 3, N) times rates,
+    and what takes these to its angular velocity (…, 3, N); rational."""
+    hat, share = skew(a), (1.0 / (1.0 + 0.25 * dot(a, a)))[..., None, None]
+    return np.eye(3) + share * (hat + 0.5 * (hat @ hat)), share * (maps + 0.5 * (hat @ maps))
 
 
 def rotation_about_z(angle: Array) -> Array:

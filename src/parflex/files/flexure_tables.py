@@ -11,9 +11,10 @@ from parflex.base.errors import InputError
 from parflex.base.spatial import vector_from_rotation
 from parflex.files.flexure_schema import FlexureTable
 from parflex.files.tables import rotation_of
+from parflex.mechanics.chain import chain_of, frames
+from parflex.mechanics.legs.base import joints_at
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Joint, Leg, Tip
-from parflex.robot.link_turns import link_turn
 
 FARTHEST = 175.0  # degrees from rest: the energy has a pole at 180
 SLIDES = np.array([0.0, 0.0, 1.0])
@@ -45,7 +46,7 @@ def at_home(table: FlexureTable, leg: Leg, tip: Tip, q: Array, platform: Array) 
 
     Raises InputError where the tip is turned there by nearly half a turn from rest.
     """
-    turn = platform.T @ np.asarray(leg.rotation) @ link_turn(leg.joints, tip.frame, q)
+    turn = platform.T @ np.asarray(leg.rotation) @ turn_of(leg, tip.frame, q)
     axis = turn @ strut_direction(leg.joints, tip) if needs_direction(table) else None
     flexure = flexure_of(table, axis)
     if flexure.rest is not None and np.any(flexure.stiffness):
@@ -56,6 +57,13 @@ def at_home(table: FlexureTable, leg: Leg, tip: Tip, q: Array, platform: Array) 
                 f"180 deg; give the rotation without load, within {FARTHEST:g} deg of that"
             )
     return replace(tip, flexure=flexure)
+
+
+def turn_of(leg: Leg, frame: int, q: Array) -> Array:
+    """The axes (3, 3) of an unbent link, from 1, in Σ0i at joint values q (n,); 1 of the base, frame 0."""
+    chain = chain_of(leg)
+    found: Array = frames(chain, joints_at(chain, q[None])).R_0j[frame - 1][0]
+    return found
 
 
 def strut_direction(joints: Sequence[Joint], tip: Tip) -> Array:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv, outer, skew, trace, transpose
-from parflex.base.spatial import axial
+from parflex.base.spatial import axial, cayley
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Leg
 
@@ -58,23 +58,29 @@ def flexures_of(leg: Leg) -> Flexures | None:
 def sections(turns: Array, omega: Array, q_e: Array, qd_e: Array) -> Sections:
     """The platform's sections for its rotation shapes Φ_r (k, 3, N) there, ω (…, 3) and q_e, q̇_e (…, N)."""
     a = mv(turns, q_e[..., None, :])
-    hat, share = skew(a), 1.0 / (1.0 + 0.25 * dot(a, a))
-    turn = np.eye(3) + share[..., None, None] * (hat + 0.5 * (hat @ hat))
-    tilt = share[..., None, None] * (turns + 0.5 * (hat @ turns))
+    turn, tilt = cayley(a, turns)
     return Sections(turn, omega[..., None, :] + mv(tilt, qd_e[..., None, :]), tilt)
 
 
-def bent_angle(flexures: Flexures, turn: Array, leg: Array) -> Array:
-    """θ (…, L, t, 3) of the leg's sections seen from the platform's, both (…, L, t, 3, 3) in the same
-    axes."""
-    Q = transpose(turn) @ leg @ transpose(flexures.rest)
+def unturned(tips: int, modes: int) -> Sections:
+    """The sections of robots without flexures, which nobody reads."""
+    one = np.broadcast_to(np.eye(3), (tips, 3, 3))
+    return Sections(one, np.zeros((tips, 3)), np.zeros((tips, 3, modes)))
+
+
+def from_rest(flexures: Flexures, turn: Array, leg: Array) -> Array:
+    """Q (…, L, t, 3, 3) of the leg's sections seen from the platform's, both in the same axes."""
+    return transpose(turn) @ leg @ transpose(flexures.rest)
+
+
+def bent_angle(Q: Array) -> Array:
+    """θ (…, L, t, 3) of rotations from rest (…, L, t, 3, 3)."""
     return 2.0 / (1.0 + trace(Q))[..., None] * axial(Q)
 
 
-def openness(turn: Array, leg: Array, flexures: Flexures) -> Array:
+def openness(flexures: Flexures, Q: Array) -> Array:
     """2 (1 + cos φ) (…, L, t) less its value at 175°: not positive where a flexure is nearly turned about,
     beyond which its energy has no bound; of tips without one it is 1."""
-    Q = transpose(turn) @ leg @ transpose(flexures.rest)
     soft = np.any((flexures.stiffness != 0).astype(bool), axis=(-2, -1))
     return np.where(soft, 1.0 + trace(Q) - FURTHEST, 1.0)
 

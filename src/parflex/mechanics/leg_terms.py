@@ -9,7 +9,7 @@ from parflex.base.array import Array, join, merged, mtv, mv, split, stack, trans
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, recursion
 from parflex.mechanics.chain import Frames, Point
-from parflex.mechanics.flexures import bent_angle, moments, openness, relative_spin
+from parflex.mechanics.flexures import bent_angle, from_rest, moments, openness, relative_spin
 from parflex.mechanics.inertia import inertia_matrix
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
@@ -39,9 +39,7 @@ class LegTerms(NamedTuple):
     place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
     velocity: Array  # (…, L, t, 3)
     bending: Array  # θ (…, L, t, 3) of the flexures at the tips; (…, L, 0, 3) without flexures
-    spin: (
-        Array  # (…, L, t, 3), angular velocity of the legs' sections relative to the platform's, in its axes
-    )
+    spin: Array  # ω (…, L, t, 3) of the legs' sections relative to the platform's, in the axes of these
     moment: Array  # (…, L, t, 3), of the flexures on the platform, in Σp
     open: Array  # (…, L, t), of order 1; not positive where a flexure is nearly turned about; (…, L, 0)
 
@@ -167,10 +165,11 @@ def flexed(
     R_leg = stack([chain.tip_rotation(frames, tip) for tip in tips], axis=-3)
     J_r = stack([chain.turning_jacobian(group.chain, frames, tip) for tip in tips], axis=-3)
     J_r = transpose(R_ip) @ J_r
-    theta = bent_angle(group.flexures, R_ip @ C, R_leg)
+    Q = from_rest(group.flexures, R_ip @ C, R_leg)
+    theta, opening = bent_angle(Q), openness(group.flexures, Q)
     omega = relative_spin(C, mv(J_r, zd[..., None, :]), spin)
     moment = mv(C, moments(group.flexures, theta, omega))
-    return np.sum(mtv(J_r, moment), axis=-2), theta, omega, moment, openness(R_ip @ C, R_leg, group.flexures)
+    return np.sum(mtv(J_r, moment), axis=-2), theta, omega, moment, opening
 
 
 def leg_response(group: LegGroup, A: Array, pulls: Array) -> Array:

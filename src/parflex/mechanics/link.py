@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, cross, dot, mtv, mv, skew
+from parflex.base.spatial import cayley
 from parflex.mechanics.platform import Deformed, deformed, platform_of, velocity_forces
 from parflex.robot.body import FlexibleBody
 from parflex.robot.moments import Moments
@@ -90,9 +91,7 @@ def seat_at(link: Link, attachment: int, e: Array) -> Seat:
     )
     shift = Phi_d + mv(H, e[..., None, :])
     a = mv(Phi_r, e)
-    hat, share = skew(a), 1.0 / (1.0 + 0.25 * dot(a, a))
-    turn = np.eye(3) + share[..., None, None] * (hat + 0.5 * (hat @ hat))
-    tilt = share[..., None, None] * (Phi_r + 0.5 * (hat @ Phi_r))
+    turn, tilt = cayley(a, Phi_r)
     place = rest + 0.5 * mv(Phi_d + shift, e)
     return Seat(place, turn, shift, tilt, rest, a, Phi_r, H)
 

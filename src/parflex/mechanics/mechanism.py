@@ -103,6 +103,11 @@ class Mechanism:
         return all(group.closed for group in self.groups)
 
     @cached_property
+    def flexed(self) -> bool:
+        """True where a tip has a flexure, which reads how the platform's sections turn."""
+        return any(group.flexures is not None for group in self.groups)
+
+    @cached_property
     def size(self) -> float:
         """Root mean square distance of the attachments from their centre, m."""
         return self.platform.body.size

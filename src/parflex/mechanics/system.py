@@ -18,7 +18,7 @@ from parflex.base.array import (
 )
 from parflex.base.unroll import solve_least_norm
 from parflex.mechanics import kinematics, recursion
-from parflex.mechanics.flexures import Sections, sections
+from parflex.mechanics.flexures import Sections, sections, unturned
 from parflex.mechanics.kinematics import PointMotion
 from parflex.mechanics.leg_terms import LegTerms, joint_position, leg_response, leg_terms, selection
 from parflex.mechanics.mechanism import Mechanism
@@ -37,7 +37,7 @@ class System(NamedTuple):
     W_p: Array  # (…, 6, 3k)
     W_e: Array  # (N, 3k)
     platform: PlatformTerms
-    sections: Sections  # of the attachments that are held
+    sections: Sections  # of the attachments that are held, where there are flexures
 
 
 def assemble(mechanism: Mechanism, x: Coordinates) -> System:
@@ -49,7 +49,9 @@ def assemble(mechanism: Mechanism, x: Coordinates) -> System:
     gravity_p = mtv(x.rotation, mechanism.gravity)
     platform = platform_terms(mechanism.platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
     places = by_group(mechanism, kinematics.position_in_world(points.r, x))
-    turned = sections(body.attachment_turns[held], x.twist[..., 3:], x.elastic, x.elastic_rate)
+    turned = unturned(len(held), body.modes)
+    if mechanism.flexed:
+        turned = sections(body.attachment_turns[held], x.twist[..., 3:], x.elastic, x.elastic_rate)
     of_tips = (places, by_group(mechanism, points.v), sections_by_group(mechanism, turned))
     moved = zip(mechanism.groups, *of_tips, strict=True)
     legs = [leg_terms(group, x, mechanism.gravity, place, v, own) for group, place, v, own in moved]
@@ -66,7 +68,7 @@ def with_moments(
     platform: PlatformTerms, mechanism: Mechanism, legs: list[LegTerms], turned: Sections
 ) -> PlatformTerms:
     """The platform's terms with the moments of the flexures at its tips."""
-    if all(group.flexures is None for group in mechanism.groups):
+    if not mechanism.flexed:
         return platform
     m = tip_moments(legs)
     modal = np.sum(mtv(turned.tilt, m), axis=-2)

@@ -28,7 +28,7 @@ def tip_motions(system: System) -> TipMotions:
     one, none, unbent = np.eye(3), np.zeros((3, 3)), np.zeros(Phi.shape)
     place = block([[one, -skew(r), none, none, Phi, unbent]])
     velocity = block([[none, -skew(v), one, -skew(r), w @ Phi, Phi]])
-    if all(group.flexures is None for group in system.mechanism.groups):
+    if not system.mechanism.flexed:
         still = place[..., :0, :]
         return TipMotions(place, velocity, still, still)
     _, spin, tilt = system.sections
