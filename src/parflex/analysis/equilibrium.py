@@ -203,14 +203,7 @@ def under_forces(
     """
     mechanism = functions.solvable
     of_type("guess", guess, State)
-    still = State(
-        guess.position,
-        guess.rotation,
-        elastic=guess.elastic,
-        joints=guess.joints,
-        leg_elastic=guess.leg_elastic,
-    )
-    start = single("guess", on_closure(mechanism, still))
+    start = single("guess", on_closure(mechanism, guess.still))
     check_health(mechanism, examined(mechanism, start)[1])
 
     def moved(x: Array, motion: Array) -> Array:

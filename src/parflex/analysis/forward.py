@@ -53,14 +53,7 @@ def given(mechanism: Mechanism, joints: ArrayLike, guess: State | None) -> tuple
     wanted = exactly("joints", joints, (mechanism.n_forces,))
     start = mechanism.robot.home if guess is None else guess
     of_type("guess", start, State)
-    still = State(
-        start.position,
-        start.rotation,
-        elastic=start.elastic,
-        joints=start.joints,
-        leg_elastic=start.leg_elastic,
-    )
-    return wanted, single("guess", flat_state(mechanism, still))
+    return wanted, single("guess", flat_state(mechanism, start.still))
 
 
 def pose(mechanism: Mechanism, wanted: Array, start: Array) -> Array:

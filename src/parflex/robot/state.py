@@ -110,6 +110,17 @@ class State:
                 f"elastic_rate, and of the legs' fields, are {shapes}; they must broadcast together"
             ) from None
 
+    @property
+    def still(self) -> "State":
+        """The state at rest in the same place, with the same bend and joints."""
+        return State(
+            self.position,
+            self.rotation,
+            elastic=self.elastic,
+            joints=self.joints,
+            leg_elastic=self.leg_elastic,
+        )
+
     def _by_leg(self) -> tuple[tuple[Array | None, ...] | None, ...]:
         """The fields of the legs."""
         return self.joints, self.joint_rates, self.leg_elastic, self.leg_elastic_rate

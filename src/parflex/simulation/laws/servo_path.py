@@ -14,6 +14,7 @@ from parflex.robot.state import State
 from parflex.simulation.laws.servo_motion import reference
 from parflex.simulation.trajectory import Trajectory, check_along, told_at
 
+SAME = 1e-12  # m, and of the entries of rotations: poses that differ by round-off
 INSTANTS = 50  # in each segment, at which the legs' reach is looked at
 
 
@@ -35,10 +36,13 @@ def sagging(core: Core, way: Trajectory) -> Array:
 
 def bend_at(core: Core, way: Trajectory, time: float) -> Array:
     """The bend (b,) of platform and legs in the equilibrium at a time; raises as `at_rest`, with that."""
-    pose = way.sample(time)
+    pose, home, at = way.sample(time), core.robot.home, core.mechanism.layout.at
+    apart = np.append(pose.position - home.position, pose.rotation - home.rotation)
     with told_at(time):
-        x, _ = at_rest(core.readable, "trajectory", State(pose.position, pose.rotation))
-    at = core.mechanism.layout.at
+        if np.max(np.abs(apart)) <= SAME:
+            x = core.at_home.x
+        else:
+            x, _ = at_rest(core.readable, "trajectory", State(pose.position, pose.rotation))
     return np.concatenate([x[at.elastic], x[at.joints]])
 
 
