@@ -10,7 +10,7 @@ from parflex.compiled.at import At
 from parflex.compiled.backend import Backend, Function
 from parflex.kernels.by_tips import by_tips
 from parflex.kernels.kernel import Kernel
-from parflex.kernels.parametrised import Build, Parametrised, parametrised
+from parflex.kernels.parametrised import THETA, Build, parametrised
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.redundancy import with_rows
 from parflex.robot.parameters import Parameters
@@ -49,7 +49,7 @@ class Functions:
     def _kernel(self, build: Build, *chosen: object) -> Kernel:
         """The kernel, which takes θ where there are parameters."""
         kernel = build(self._solvable, *chosen)
-        if not self.parameters.items or isinstance(kernel, Parametrised):
+        if not self.parameters.items or THETA in kernel.inputs:
             return kernel
         return parametrised(self.parameters, self._solvable, build, *chosen)
 

@@ -23,6 +23,7 @@ from parflex.robot.layout import spans
 from parflex.robot.leg import Joint, Leg
 
 E_Z = np.array([0.0, 0.0, 1.0])
+REST_RATE = "rest_rate"  # the table of a chain whose springs have rests that move
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,6 +53,12 @@ class Chain:
     def with_tables(self, tables: Mapping[str, Array]) -> "Chain":
         """The chain with some tables in the place of its own."""
         return replace(self, tables={**self.tables, **tables})
+
+    def with_moving_rests(self, rests: Array, rates: Array) -> "Chain":
+        """The chain whose springs have rests at (…, L, n) that move at these rates, each leg its own."""
+        own = replace(self.columns["q_0"], alike=False)
+        columns = {**self.columns, "q_0": own, REST_RATE: own}
+        return replace(self, columns=columns, tables={**self.tables, "q_0": rests, REST_RATE: rates})
 
     @property
     def n(self) -> int:
@@ -248,11 +255,11 @@ def seats_towards(chain: Chain, frame: Frames, point: Point) -> list[tuple[int, 
 
 def stretch(chain: Chain, joints: Joints) -> Array:
     """q − q_0 (…, L, n) of the springs: for revolute joints the angle in (−π, π]."""
-    return stack([joint_position(chain, joints, j, chain.q_0[:, j]) for j in range(chain.n)])
+    return stack([joint_position(chain, joints, j, chain.q_0[..., j]) for j in range(chain.n)])
 
 
 def joint_position(chain: Chain, joints: Joints, j: int, reference: Array) -> Array:
-    """q_j less a constant reference (L,): (…, L), for a revolute joint an angle in (−π, π]."""
+    """q_j less a reference (…, L): (…, L), for a revolute joint an angle in (−π, π]."""
     if chain.sigma[j]:
         return joints.length[..., j] - reference
     c0, s0 = exact_cos_sin(reference)

@@ -29,7 +29,7 @@ def dissipation(system: System) -> Array:
     lost = dot(x.elastic_rate, system.mechanism.platform.damping * x.elastic_rate)
     for leg in system.legs:
         group, c = leg.group, leg.group.chain
-        lost = lost + np.sum(dot(leg.qd, recursion.friction(c, leg.qd)), axis=-1)
+        lost = lost + np.sum(recursion.friction_power(c, leg.qd), axis=-1)
         for j, link in enumerate(c.links):
             if link is not None:
                 ed = chain.bend_of(c, leg.zd[..., c.n :], j)
@@ -38,6 +38,17 @@ def dissipation(system: System) -> Array:
             against = flexures.resistance(group.flexures, leg.spin)
             lost = lost + np.sum(dot(leg.spin, against), axis=(-2, -1))
     return lost
+
+
+def rests_power(system: System) -> Array:
+    """The power (…,) W that rests of springs which move give to the robot: −(k (q − r) + Fv (q̇ − ṙ)) ṙ."""
+    given = np.zeros(system.x.position.shape[:-1])
+    for leg in system.legs:
+        c = leg.group.chain
+        if chain.REST_RATE in c.tables:
+            pull = c.k * chain.stretch(c, leg.joints) + c.Fv * (leg.qd - c.rest_rate)
+            given = given - np.sum(pull * c.rest_rate, axis=(-2, -1))
+    return given
 
 
 def energies(system: System) -> Energies:

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, cross, join, mtv, mv, stack
-from parflex.mechanics.chain import Chain, Frames, Joints, Point, bend_of, stretch
+from parflex.base.array import Array, cross, dot, join, mtv, mv, stack
+from parflex.mechanics.chain import REST_RATE, Chain, Frames, Joints, Point, bend_of, stretch
 from parflex.mechanics.link import Seat, body_wrench, drift_of, pushed, strain
 
 E_Z = np.array([0.0, 0.0, 1.0])
@@ -132,7 +132,7 @@ def inverse_dynamics(
 def passive(chain: Chain, joints: Joints, zd: Array) -> Array:
     """(…, L, n + ΣN): friction and springs of the joints, stiffness and damping of the links."""
     qd = zd[..., : chain.n]
-    in_joints = friction(chain, qd) + chain.k * stretch(chain, joints)
+    in_joints = resistance(chain, qd) + chain.k * stretch(chain, joints)
     strained = [
         strain(link, bend_of(chain, joints.bend, j), bend_of(chain, zd[..., chain.n :], j))
         for j, link in enumerate(chain.links)
@@ -144,3 +144,19 @@ def passive(chain: Chain, joints: Joints, zd: Array) -> Array:
 def friction(chain: Chain, qd: Array) -> Array:
     """Viscous and smoothed Coulomb friction (…, L, n), against the motion."""
     return chain.Fv * qd + chain.Fs * qd / np.sqrt(qd * qd + chain.v_s * chain.v_s)
+
+
+def resistance(chain: Chain, qd: Array) -> Array:
+    """Friction (…, L, n), its viscous part against the rate at which joints leave the rests of their springs
+    where these move."""
+    found = friction(chain, qd)
+    return found - chain.Fv * chain.rest_rate if REST_RATE in chain.tables else found
+
+
+def friction_power(chain: Chain, qd: Array) -> Array:
+    """The power (…, L) that friction takes: of its viscous part Fv (q̇ − ṙ)² where rests move."""
+    lost = dot(qd, friction(chain, qd))
+    if REST_RATE not in chain.tables:
+        return lost
+    rate = chain.rest_rate
+    return lost - dot(chain.Fv * rate, 2.0 * qd - rate)

@@ -35,7 +35,7 @@ def each_leg(
     if recorder(*rows, *shared) is None or not alike(group):
         return function(group, *rows, *shared)
     count = len(group.legs)
-    tables = [group.chain.tables[name] for name in own(group)] + [getattr(group, name) for name in STANDS]
+    tables = [alone(group, name) for name in own(group)] + [getattr(group, name) for name in STANDS]
     inner = [table.shape[1:] for table in tables]
 
     def one(table: Array, *given: Array) -> Any:
@@ -48,6 +48,12 @@ def each_leg(
 def own(group: LegGroup) -> list[str]:
     """The tables of the chain that each leg has for itself: inertia, friction and springs."""
     return [name for name, column in group.chain.columns.items() if not column.alike]
+
+
+def alone(group: LegGroup, name: str) -> Array:
+    """A table (L, n, *shape) of the chain, of one robot: rests that move are an input with leading axes."""
+    table, column = group.chain.tables[name], group.chain.columns[name]
+    return table.reshape(table.shape[-2 - len(column.shape) :])
 
 
 def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
