@@ -64,6 +64,10 @@ class SmallMotions:
         found: Array = actuated_rows(self.functions.mechanism) @ self.T
         return found
 
+    def free_poles(self) -> Array:
+        """Poles of the robot under the forces that hold it at rest."""
+        return poles(*self.KC)
+
     def locked_poles(self) -> Array:
         """Poles of the robot whose actuated joints are locked: motions η with S ζ = 0, ζ = Z η.
 

@@ -66,7 +66,8 @@ def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat
     check_standing(file)
     model = Model(file.robot, "numpy")
     console.print(table_of(overview.JOINT_HEADS, overview.joint_rows(model)))
-    console.print(str(model.mobility(file.robot.home)))
+    for line in (str(model.mobility(file.robot.home)), *overview.swings(model)):
+        console.print(line)
     for choice, verdict in overview.controls(model):
         tell_control(choice.why, verdict)
     check_writable(out)

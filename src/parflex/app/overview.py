@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 LEG_HEADS = ("leg", "chain", "joints", "inverse geometry", "base (m)", "holds attachments", "mass (kg)")
 JOINT_HEADS = ("leg", "joint values at home", "limits")
 
+LOWEST = 6  # frequencies that are told
+
 Rows = list[tuple[str, ...]]
 
 
@@ -80,6 +82,24 @@ def bending_links(robot: Robot) -> list[str]:
         return []
     omega = np.concatenate([body.frequencies for body in bodies])
     return [f"links that bend: {len(bodies)}, {modal(omega)}, clamped at their joints"]
+
+
+def swings(model: "Model") -> list[str]:
+    """A line on the lowest frequencies about the equilibrium at home, none where nothing swings or it falls.
+
+    They are those of the robot on its motors' springs, or, where motors have none, on locked motors.
+    """
+    from parflex.model.core import core_of
+    from parflex.simulation.laws.verdict import decisive, grows
+
+    motions = core_of(model).at_home
+    sprung = all(joint.k for leg in model.robot.legs for joint in leg.joints if joint.mu)
+    poles = motions.free_poles() if sprung else motions.locked_poles()
+    hertz = np.sort(np.abs(poles[poles.imag > 1e-3 * np.abs(poles)])) / (2 * np.pi)
+    if grows(decisive(poles)) or not len(hertz):
+        return []
+    how = "on its springs" if sprung else "on locked motors"
+    return [f"swings at home, {how}: {', '.join(f'{each:.4g}' for each in hertz[:LOWEST])} Hz"]
 
 
 def controls(model: "Model") -> "list[tuple[Choice, Verdict | None]]":
