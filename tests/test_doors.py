@@ -26,7 +26,7 @@ UNLISTED = {  # public callables that are not in the tables, and why
     r"Trajectory\.(at|rows)": "`sample` without checks",
     r"Controller\.verdict": "says nothing",
     r"Model\.(legs|pose|poses|static)": "former names of others",
-    r"\w+\.(save|to_file)|load_\w+|view": "take a path, or a run",
+    r"\w+\.(save|to_file|from_file)|load_\w+|view": "take a path, or a run",
     r"fe\.(read_\w+|calculix_body|mesh_from|step_mesh|write_fields|import_modes)": "take files",
     r"plot\.\w+": "draw results",
 }

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
         Reactions as Reactions,
     )
     from parflex.robot.bar import Bar as Bar
+    from parflex.robot.base_motion import BaseMotion as BaseMotion
     from parflex.robot.beam import beam as beam
     from parflex.robot.body import FlexibleBody as FlexibleBody
     from parflex.robot.flexure import Flexure as Flexure
@@ -72,6 +73,7 @@ if TYPE_CHECKING:
         load_result as load_result,
     )
     from parflex.simulation.simulate import simulate as simulate
+    from parflex.simulation.surroundings.base_samples import BaseSamples as BaseSamples
     from parflex.simulation.trajectory import Trajectory as Trajectory
     from parflex.views import plot as plot
     from parflex.views.viewer import View as View, view as view
@@ -91,6 +93,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
     "robot.bar": "Bar",
+    "robot.base_motion": "BaseMotion",
     "robot.beam": "beam",
     "robot.body": "FlexibleBody",
     "robot.flexure": "Flexure",
@@ -113,6 +116,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "simulation.moves.move_to": "MoveTo",
     "simulation.result": "Result RunStopped load_result",
     "simulation.simulate": "simulate",
+    "simulation.surroundings.base_samples": "BaseSamples",
     "simulation.trajectory": "Trajectory",
     "views.viewer": "View view",
 }

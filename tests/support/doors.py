@@ -253,6 +253,18 @@ DOORS: dict[str, Door] = {
         partial(pf.Servo, trajectory=WAY),
         MODELLED | ALONG | SERVOS | {"ki": array(np.zeros(6)), "rate": positive(1000.0)},
     ),
+    "BaseMotion": Door(
+        pf.BaseMotion,
+        {"position": array(np.zeros(3)), "rotation": rotation()}
+        | {"twist": array(np.zeros(6)), "acceleration": array(np.zeros(6))},
+    ),
+    "BaseSamples": Door(
+        pf.BaseSamples,
+        {"t": array(np.arange(6.0))}
+        | {name: array(np.zeros((6, 3)), none=True) for name in ("position", "rotation", "velocity")}
+        | {name: array(np.zeros((6, 3)), none=True) for name in ("acceleration", "angular_velocity")}
+        | {"angular_acceleration": array(np.zeros((6, 3)), none=True)},
+    ),
     "State": Door(
         pf.State,
         {

@@ -155,19 +155,19 @@ def brief(error: Exception) -> str:
     return f"{type(error).__name__}: {words[0][:200]}" if words else type(error).__name__
 
 
-def file_text(path: Path) -> str:
-    """The text of a file, without a byte order mark, lines ending with LF; raises InputError where there is
-    none."""
+def file_text(path: Path, largest: int = LARGEST, what: str = "a TOML file") -> str:
+    """The text of a file of at most so many bytes, without a byte order mark, lines ending with LF; raises
+    InputError where there is none."""
     try:
         with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
-        if len(data) > LARGEST:
-            raise InputError(f"{path} is larger than {LARGEST // 1_000_000} MB; no file of this kind is")
+            data = file.read(largest + 1)
+        if len(data) > largest:
+            raise InputError(f"{path} is larger than {largest // 1_000_000} MB; no file of this kind is")
         return re.sub("\r+\n", "\n", data.decode("utf-8-sig"))  # converted more than once, by mail
     except FileNotFoundError:
         raise InputError(absent(path)) from None
     except UnicodeDecodeError:
-        raise InputError(f"{path} is no text in UTF-8; a TOML file is") from None
+        raise InputError(f"{path} is no text in UTF-8; {what} is") from None
     except InputError:
         raise
     except (OSError, ValueError) as error:  # ValueError: a name with a NUL
