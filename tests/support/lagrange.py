@@ -82,6 +82,7 @@ class Lagrange:
         self.first = np.cumsum([6 + self.N, *sizes(robot)])
         self.x, self.v = (ca.SX.sym(name, int(self.first[-1])) for name in "xv")
         self.t, self.forces = ca.SX.sym("t"), ca.SX.sym("u", robot.n_forces)
+        self.flow = ca.SX.sym("f")  # one: how fast time goes for what moves by itself, which is the base
         self.start, self.base = ca.SX.sym("s", 12), ca.SX.sym("b", 24)
         self.kinetic = self.potential = self.rayleigh = ca.SX(0)
         self.push, self.gaps, self.soft, self.tips = ca.SX.zeros(self.x.shape), [], [], []
@@ -93,7 +94,7 @@ class Lagrange:
     def rate(self, y):
         """ẏ of an expression in coordinates and time."""
         by_time = ca.jacobian(ca.vec(y), self.t)
-        return ca.jtimes(y, self.x, self.v) + ca.reshape(by_time, *y.shape)
+        return ca.jtimes(y, self.x, self.v) + self.flow * ca.reshape(by_time, *y.shape)
 
     def spin(self, axes):
         """ω, in the world."""
@@ -271,9 +272,9 @@ class Lagrange:
         bias = ca.jacobian(rate, x) @ v + ca.jacobian(rate, t)
         energy = self.kinetic + self.potential
         slopes = [ca.gradient(energy, x), ca.gradient(energy, v), ca.jacobian(energy, t)]
-        lost = ca.dot(ca.gradient(self.rayleigh, v) - self.push, v)
+        lost = ca.dot(ca.gradient(self.rayleigh, v) - self.push, v) + ca.jacobian(self.rayleigh, self.flow)
         soft = ca.horzcat(ca.SX(3, 0), *self.soft)
-        given = [x, v, t, self.start, self.base, self.forces]
+        given = [x, v, t, self.flow, self.start, self.base, self.forces]
         found = [ca.jacobian(momentum, v), force, G, bias, gap, rate, energy, *slopes, lost, soft]
         return ca.Function("lagrange", given, found)
 
@@ -284,7 +285,7 @@ class Lagrange:
         if base is not None:
             ground = [base.position, np.asarray(base.rotation).T.reshape(-1), base.twist, base.acceleration]
         start = np.concatenate([state.position, R.T.reshape(-1)])
-        found = self.parts(x, v, 0.0, start, np.concatenate(ground), forces)
+        found = self.parts(x, v, 0.0, 1.0, start, np.concatenate(ground), forces)
         M, force, G, bias, gap, rate, energy, by_x, by_v, by_t, lost, soft = (
             np.array(part) for part in found
         )

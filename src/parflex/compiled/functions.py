@@ -9,7 +9,9 @@ from parflex.base.array import Array
 from parflex.compiled.at import At
 from parflex.compiled.backend import Backend, Function
 from parflex.kernels.by_tips import by_tips
+from parflex.kernels.inputs import plainly
 from parflex.kernels.kernel import Kernel
+from parflex.kernels.moved_base import BASE, moved_base
 from parflex.kernels.parametrised import THETA, Build, parametrised
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.redundancy import with_rows
@@ -22,6 +24,7 @@ class Functions:
     def __init__(self, mechanism: Mechanism, backend: Backend, parameters: Parameters) -> None:
         self.mechanism, self.backend = mechanism, backend
         self.parameters, self.theta = parameters, parameters.own
+        self.base: Array | None = None  # (…, 19), the motion of the base, where it is on one that moves
         self._first = mechanism
         self._kept: dict[object, Function] = {}
         self._lock = Lock()
@@ -32,19 +35,34 @@ class Functions:
         other.mechanism, other.theta = mechanism, theta
         return other
 
+    def on(self, mechanism: Mechanism, base: Array) -> "Functions":
+        """The same functions on a base that moves so (…, 19), as that of the mechanism does."""
+        _ = self._solvable  # found once, for all copies
+        other = copy(self)
+        other.mechanism, other.base = mechanism, base
+        return other
+
     def __call__(self, build: Build, *chosen: object, theta: Array | None = None) -> Function:
         """The function of the kernel that `build` makes of the mechanism and of what else it takes.
 
         It reads flat float arrays; parameters are at θ (…, P), by default those of this object.
         """
+        if self.base is not None and moved_base not in chosen:
+            build, chosen = moved_base, (build, *chosen)
         key = (build, *chosen)
         with self._lock:
             if key not in self._kept:
                 self._kept[key] = self.backend.compile(self._kernel(build, *chosen))
             found = self._kept[key]
-        if not self.parameters.items:
-            return found
-        return At(found, theta=self.theta if theta is None else theta)
+        given = {} if self.base is None else {BASE: self.base}
+        if self.parameters.items:
+            given[THETA] = self.theta if theta is None else theta
+        return At(found, **given) if given else found
+
+    @property
+    def way(self) -> Build:
+        """The way in which kernels are built: plainly, or with the motion of the base as an input."""
+        return plainly if self.base is None else moved_base
 
     def _kernel(self, build: Build, *chosen: object) -> Kernel:
         """The kernel, which takes θ where there are parameters."""

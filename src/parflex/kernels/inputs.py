@@ -1,4 +1,5 @@
-"""Kernels with one more input, of which their mechanism is made anew: parameters, the rests of springs."""
+"""Kernels with one more input, of which their mechanism is made anew: parameters, the rests of springs, the
+motion of the base."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -6,6 +7,11 @@ from dataclasses import replace
 from parflex.base.array import Array
 from parflex.kernels.kernel import Kernel, Vectors
 from parflex.mechanics.mechanism import Mechanism
+
+
+def plainly(mechanism: Mechanism, build: Callable[..., Kernel], *chosen: object) -> Kernel:
+    """The kernel that `build` makes of the mechanism and its other arguments, without another input."""
+    return build(mechanism, *chosen)
 
 
 def with_input(
@@ -34,5 +40,5 @@ def remade(
     def at(value: Array) -> Callable[..., Vectors]:
         return build(changed(mechanism, value), *chosen).function
 
-    found = with_input(build(mechanism, *chosen), name, len(own), at, name)
-    return replace(found, near={**found.near, name: own})
+    found = with_input(build(changed(mechanism, own), *chosen), name, len(own), at, name)
+    return replace(found, mechanism=mechanism, near={**found.near, name: own})

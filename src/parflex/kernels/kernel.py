@@ -85,7 +85,7 @@ def lengths(mechanism: Mechanism) -> dict[str, int]:
         "contact": 3 * len(mechanism.attachments),  # contact forces by leg and tip
         "health": mechanism.health.size,  # as `system.health`
         "rate": n,  # ẋ
-        "powers": 3,  # of actuators, of loads, and lost by damping and friction
+        "powers": 3 + (mechanism.base is not None),  # of actuators, loads, damping and friction, the floor
         "positions": m,  # q_a of the actuated joints
         "rates": m,  # q̇_a
         "accelerations": m,  # q̈_a

@@ -76,7 +76,8 @@ def motion(
 
 
 def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, found: Acceleration) -> Vectors:
-    """ẋ by the accelerations found, and the powers of actuators, loads and damping (a loss)."""
+    """ẋ by the accelerations found, and the powers of actuators, loads, damping (a loss) and a floor that
+    moves."""
     c, mechanism = system.x, system.mechanism
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
     rate = found.platform - join([cross(omega, v_p), np.zeros(3)])
@@ -85,6 +86,9 @@ def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, fou
         dot(load[..., :6], c.twist) + dot(load[..., 6:], c.elastic_rate),
         dissipation(system),
     ]
+    if mechanism.base is not None:
+        zdd = assembly.leg_accelerations(system, forces, found.contact)
+        powers.append(assembly.floor_power(system, zdd, found.contact))
     turn = quaternion_rate(x[..., mechanism.layout.at.quaternion], omega)
     carried = [c.sd, assembly.carried_accelerations(system, forces, found.contact)]
     fixed = np.zeros(len(mechanism.layout.branched))

@@ -6,6 +6,8 @@ import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
 from parflex.mechanics import chain, flexures, recursion
+from parflex.mechanics.floor import Base, ground, twist_of_legs
+from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.platform import body_energies
 from parflex.mechanics.system import System
 
@@ -54,6 +56,7 @@ def rests_power(system: System) -> Array:
 def energies(system: System) -> Energies:
     """The energies of a robot at a state or a batch of them."""
     gravity, platform, x = system.mechanism.gravity, system.mechanism.platform, system.x
+    base, (down, *_) = system.mechanism.base, ground(system.mechanism.base, gravity)
     kinetic, strain = body_energies(platform, x.twist, x.elastic, x.elastic_rate)
     moment = platform.moments.MS0 + mv(platform.moments.S, x.elastic)
     weight = -dot(gravity, platform.moments.m * x.position + mv(x.rotation, moment))
@@ -61,10 +64,13 @@ def energies(system: System) -> Energies:
     for leg in system.legs:
         group = leg.group
         kinetic = kinetic + 0.5 * np.sum(dot(leg.zd, mv(leg.A, leg.zd)), axis=-1)
-        in_base = mtv(group.rotation, gravity)
+        in_base = mtv(group.rotation, down[..., None, :])
         above = chain.potential_energy(group.chain, leg.bent, in_base)
         mass = sum((chain.mass(group.chain, j) for j in range(group.chain.n)), np.zeros(len(group.legs)))
-        weight = weight + np.sum(above - mass * dot(gravity, group.origin), axis=-1)
+        weight = weight + np.sum(above - mass * dot(down[..., None, :], group.origin), axis=-1)
+        if base is not None:
+            kinetic = kinetic + carried_energy(base, leg)
+            weight = weight - np.sum(mass) * dot(gravity, base.position)
         stretch = chain.stretch(group.chain, leg.joints)
         springs = springs + 0.5 * np.sum(group.chain.k * stretch * stretch, axis=(-2, -1))
         for j, link in enumerate(group.chain.links):
@@ -74,3 +80,18 @@ def energies(system: System) -> Energies:
         if group.flexures is not None:
             springs = springs + np.sum(flexures.energy(group.flexures, leg.bending), axis=-1)
     return Energies(kinetic, weight, strain, springs)
+
+
+def carried_energy(base: Base, leg: LegTerms) -> Array:
+    """The part of the kinetic energy (…,) of legs that a base which moves adds to ½ żᵀ A ż: żᵀ p + ½ (v, ω)·h,
+    of the momenta p of the legs' coordinates, and h of their bases, that the base's twist alone gives.
+
+    The recursion turns accelerations into forces as velocities into momenta.
+    """
+    c, frames, still = leg.group.chain, leg.bent, np.zeros(leg.group.chain.size)
+    v, omega = twist_of_legs(base, leg.group)
+    motions = recursion.link_motions(c, frames, still, still, recursion.Motion(np.zeros(3), omega, v))
+    momenta = recursion.inverse_dynamics(c, frames, motions, still, still)
+    h = recursion.reactions(c, frames, motions, still, still, recursion.unloaded(c))
+    own = dot(h.force[-1], v) + dot(h.moment[-1], omega)
+    return np.sum(dot(leg.zd, momenta) + 0.5 * own, axis=-1)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.check import of_type
+from parflex.base.check import broadcast_together, of_type
 from parflex.base.errors import InputError, NotConverged
 from parflex.base.spatial import within_half_a_turn
 from parflex.mechanics.closure import ALL, CLOSED, JOINTS, POSE, closed, with_rates
@@ -35,14 +35,24 @@ def flat_state(mechanism: Mechanism, state: State) -> Array:
     of_type("state", state, State)
     check_joints(mechanism.robot, state)
     if any(layout.joints):
-        x = pack(started(mechanism.robot, state), layout)
+        x = on_base(mechanism, pack(started(mechanism.robot, state), layout))
         x = with_rates(mechanism, closed(mechanism, x, JOINTS)[0], JOINTS)
     else:
-        x = pack(state, layout)
+        x = on_base(mechanism, pack(state, layout))
     if state.joints is not None:
         x = on_branches(mechanism, x, state.joints)
         check_branch(mechanism, x, state.joints)
     return x
+
+
+def on_base(mechanism: Mechanism, x: Array) -> Array:
+    """Flat states, one for each motion of the base; raises InputError where they do not broadcast."""
+    base = mechanism.base
+    if base is None or base.position.ndim == 1:
+        return x
+    broadcast_together(state=x, base=base.position)
+    batch = np.broadcast_shapes(x.shape[:-1], base.position.shape[:-1])
+    return np.broadcast_to(x, (*batch, x.shape[-1]))
 
 
 def state_of(mechanism: Mechanism, x: Array) -> State:

@@ -9,6 +9,7 @@ from parflex.base.array import Array, join, merged, mtv, mv, split, stack, trans
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, recursion
 from parflex.mechanics.chain import Frames, Point
+from parflex.mechanics.floor import under_legs
 from parflex.mechanics.flexures import bent_angle, from_rest, moments, openness, relative_spin
 from parflex.mechanics.inertia import inertia_matrix
 from parflex.mechanics.legs.alike import each_leg
@@ -55,15 +56,16 @@ class LegTerms(NamedTuple):
 
 
 def leg_terms(
-    group: LegGroup, x: Coordinates, gravity: Array, place: Array, v: Array, section: Array
+    group: LegGroup, x: Coordinates, ground: Sequence[Array], place: Array, v: Array, section: Array
 ) -> LegTerms:
-    """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp; gravity in Σ0.
+    """The legs of a group, moved by their tips (…, L, t, 3): places in Σ0, velocities in Σp.
 
-    Sections (…, L, t, 12) are axes and angular velocities of the platform there.
+    ground is that of `floor.ground`; sections (…, L, t, 12) are axes and angular velocities of the platform
+    there. All, and the platform's rotation, are as they are seen from the base.
     """
     own = [x.s[..., group.carried], x.sd[..., group.carried], x.branches[..., group.branched]]
     held = merged(section) if group.flexures is not None else place[..., 0, :0]
-    rows, shared = [merged(place), merged(v), *own, held], [x.rotation, gravity]
+    rows, shared = [merged(place), merged(v), *own, held], [x.rotation, *ground]
     terms: LegTerms = each_leg(group, terms_of, rows, shared)
     return terms._replace(group=group)
 
@@ -77,9 +79,10 @@ def terms_of(
     branch: Array,
     section: Array,
     rotation: Array,
-    gravity: Array,
+    *ground: Array,
 ) -> LegTerms:
-    """The terms of legs whose tips have places and velocities (…, L, 3t) in Σ0 and in Σp; gravity in Σ0.
+    """The terms of legs whose tips have places and velocities (…, L, 3t) in Σ0 and in Σp, on a ground as of
+    `floor.ground`.
 
     Carried coordinates and branch are those that the state has. The group of the terms is left empty.
     """
@@ -93,10 +96,10 @@ def terms_of(
     frames, tips = chain.frames(c, joints), group.points(joints.bend)
     J = [chain.tip_jacobian(c, frames, tip) for tip in tips]  # Eqs. 1, 3
     zd = np.broadcast_to(rates_of(group, frames, joints, J, place, velocity, sd), (*legs, c.size))
-    rest, gravity = np.zeros(c.size), mtv(group.rotation, gravity)
-    motions = recursion.link_motions(c, frames, zd, rest, gravity)
+    rest, floor = np.zeros(c.size), under_legs(group, *ground)
+    motions = recursion.link_motions(c, frames, zd, rest, floor.motion)
     R_pi = transpose(R_ip[..., 0, :, :])
-    Jdqd, gap = tips_of(group, frames, motions, tips, zd, gravity, R_pi, place)
+    Jdqd, gap = tips_of(group, frames, motions, tips, zd, floor.gravity, R_pi, place)
     J_p = np.concatenate([R_pi @ part for part in J], axis=-2)
     A = np.broadcast_to(inertia_matrix(c, frames), (*legs, c.size, c.size))
     bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + recursion.passive(c, joints, zd)

@@ -9,6 +9,7 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.mechanics.chain import chain_of, joined
+from parflex.mechanics.floor import Base
 from parflex.mechanics.flexures import Flexures, flexures_of
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
 from parflex.mechanics.legs.base import regular, settled
@@ -60,7 +61,8 @@ class Mechanism:
 
     Legs of one type and equal structure are a group, and inside the mechanics tips, joints and forces stand
     group by group; `force_order`, `joint_order` and `tip_order` put them in the order of the legs, in which
-    everybody else has them. With other numbers in its tables it is another mechanism, `dataclasses.replace`.
+    everybody else has them. With other numbers in its tables, or on a base that moves, it is another
+    mechanism, `dataclasses.replace`; without a base Σ0 is the world's frame.
     `rows`, of which the models solve the independent ones, those of legs that do not bend, and those of a
     robot of which nothing bends are found by `redundancy.with_rows`. `elimination` forms the contact system
     in another order than `contact.eliminated` does, where that is quicker.
@@ -69,11 +71,12 @@ class Mechanism:
     robot: Robot
     groups: tuple[LegGroup, ...]
     platform: Platform
-    gravity: Array  # (3,) in Σ0
+    gravity: Array  # (3,) in the world
     rows: Rows | None = None
     rows_stiff: Rows | None = None
     rows_unbent: Rows | None = None
     elimination: Callable[[Any, Array], Any] | None = None
+    base: Base | None = None
 
     @property
     def solved_rows(self) -> Rows:

@@ -28,9 +28,10 @@ class Reaction(NamedTuple):
     modal: list[Array]
 
 
-def link_motions(chain: Chain, frame: Frames, zd: Array, zdd: Array, gravity: Array) -> list[Motion]:
-    """Forward recursion; the base, which comes last, accelerates with −g: gravity needs no further word."""
-    motions = [Motion(np.zeros(3), np.zeros(3), -gravity)]
+def link_motions(chain: Chain, frame: Frames, zd: Array, zdd: Array, base: Motion) -> list[Motion]:
+    """Forward recursion from the base, which comes last, and accelerates with −g besides what it does: gravity
+    needs no further word."""
+    motions = [base]
     for j, a in enumerate(chain.antecedent):
         R_aj, p_aj, seat = frame.R_aj[j], frame.p_aj[j], frame.seats[j]
         omega_a, omegad_a, vd_a = motions[a]

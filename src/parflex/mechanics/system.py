@@ -9,6 +9,7 @@ from parflex.base.array import (
     Array,
     block,
     block_diagonal,
+    dot,
     join,
     merged,
     mtv,
@@ -17,7 +18,7 @@ from parflex.base.array import (
     transpose,
 )
 from parflex.base.unroll import solve_least_norm
-from parflex.mechanics import kinematics, recursion
+from parflex.mechanics import floor, kinematics, recursion
 from parflex.mechanics.flexures import Sections, sections, unturned
 from parflex.mechanics.kinematics import PointMotion
 from parflex.mechanics.leg_terms import LegTerms, joint_position, leg_response, leg_terms, selection
@@ -38,6 +39,7 @@ class System(NamedTuple):
     W_e: Array  # (N, 3k)
     platform: PlatformTerms
     sections: Sections  # of the attachments that are held, where there are flexures
+    seen: floor.Seen  # the platform at its attachments, from the base
 
 
 def assemble(mechanism: Mechanism, x: Coordinates) -> System:
@@ -48,20 +50,23 @@ def assemble(mechanism: Mechanism, x: Coordinates) -> System:
     W_p, W_e = kinematics.wrench_map(points.r, shapes)
     gravity_p = mtv(x.rotation, mechanism.gravity)
     platform = platform_terms(mechanism.platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity_p)
-    places = by_group(mechanism, kinematics.position_in_world(points.r, x))
     turned = unturned(len(held), body.modes)
     if mechanism.flexed:
         turned = sections(body.attachment_turns[held], x.twist[..., 3:], x.elastic, x.elastic_rate)
-    of_tips = (places, by_group(mechanism, points.v), sections_by_group(mechanism, turned))
-    moved = zip(mechanism.groups, *of_tips, strict=True)
-    legs = [leg_terms(group, x, mechanism.gravity, place, v, own) for group, place, v, own in moved]
+    places = kinematics.position_in_world(points.r, x)
+    seen = floor.seen_from(mechanism.base, floor.Seen(x.rotation, places, points.v, turned.spin))
+    of_tips = (by_group(mechanism, seen.places), by_group(mechanism, seen.velocities))
+    moved = zip(mechanism.groups, *of_tips, sections_by_group(mechanism, turned, seen), strict=True)
+    there, ground = x._replace(rotation=seen.rotation), floor.ground(mechanism.base, mechanism.gravity)
+    legs = [leg_terms(group, there, ground, place, v, own) for group, place, v, own in moved]
     platform = with_moments(platform, mechanism, legs, turned)
-    return System(mechanism, x, legs, points, shapes, W_p, W_e, platform, turned)
+    return System(mechanism, x, legs, points, shapes, W_p, W_e, platform, turned, seen)
 
 
-def sections_by_group(mechanism: Mechanism, turned: Sections) -> list[Array]:
-    """Axes and angular velocities (…, L, t, 12) of the platform's sections, group by group."""
-    return by_group(mechanism, join([merged(turned.turn), turned.spin]))
+def sections_by_group(mechanism: Mechanism, turned: Sections, seen: floor.Seen) -> list[Array]:
+    """Axes and angular velocities (…, L, t, 12) of the platform's sections as they are seen from the base,
+    group by group."""
+    return by_group(mechanism, join([merged(turned.turn), seen.spins]))
 
 
 def with_moments(
@@ -176,27 +181,42 @@ def leg_pulls(system: System, f: Array) -> list[Array]:
 
 def joint_reactions(system: System, zdd: list[Array], f: Array) -> list[tuple[Array, Array]]:
     """Force and moment (…, L, n, 3) that links receive through their joints, in their own axes."""
-    found = []
+    pairs = zip(system.legs, zdd, reactions(system, zdd, f), strict=True)
+    return [(by_link(found.force, leg, z), by_link(found.moment, leg, z)) for leg, z, found in pairs]
+
+
+def floor_power(system: System, zdd: list[Array], f: Array) -> Array:
+    """The power (…,) W that the motion of the base gives to the robot: of what legs receive from below."""
+    given, base = np.zeros(system.x.position.shape[:-1]), system.mechanism.base
+    if base is None:
+        return given
+    for leg, found in zip(system.legs, reactions(system, zdd, f), strict=True):
+        v, omega = floor.twist_of_legs(base, leg.group)
+        given = given + np.sum(dot(found.force[-1], v) + dot(found.moment[-1], omega), axis=-1)
+    return given
+
+
+def reactions(system: System, zdd: list[Array], f: Array) -> list[recursion.Reaction]:
+    """The wrenches that links of each group receive at accelerations (…, L, z) and contact forces (…, 3k)."""
+    found, ground = [], floor.ground(system.mechanism.base, system.mechanism.gravity)
     tips = by_group(system.mechanism, kinematics.unstacked(f))
     for leg, acceleration, pull in zip(system.legs, zdd, tips, strict=True):
         group, c, frames = leg.group, leg.group.chain, leg.bent
-        gravity = mtv(group.rotation, system.mechanism.gravity)
-        motions = recursion.link_motions(c, frames, leg.zd, acceleration, gravity)
+        base = floor.under_legs(group, *ground).motion
+        motions = recursion.link_motions(c, frames, leg.zd, acceleration, base)
         loads = recursion.unloaded(c)
         for t, tip in enumerate(group.points(leg.joints.bend)):
             R = transpose(frames.R_0j[tip.link]) @ leg.R_ip[..., 0, :, :]
             turn = mv(R, leg.moment[..., t, :]) if group.flexures is not None else None
             recursion.with_push(loads, tip, mv(R, pull[..., t, :]), turn)
-        passed = recursion.reactions(c, frames, motions, leg.zd, acceleration, loads)
-        like = acceleration[..., : c.n]
-        found.append((by_link(passed.force, like), by_link(passed.moment, like)))
+        found.append(recursion.reactions(c, frames, motions, leg.zd, acceleration, loads))
     return found
 
 
-def by_link(vectors: list[Array], like: Array) -> Array:
-    """Vectors (…, L, 3) of the links, and last of the base, which is left out: (…, L, n, 3) for (…, L, n)."""
+def by_link(vectors: list[Array], leg: LegTerms, zdd: Array) -> Array:
+    """Vectors (…, L, 3) of the links, and last of the base, which is left out: (…, L, n, 3) for z̈ (…, L, z)."""
     links = block([[np.zeros((0, 3))], *([vector[..., None, :]] for vector in vectors[:-1])])
-    return np.broadcast_to(links, (*like.shape, 3))
+    return np.broadcast_to(links, (*zdd.shape[:-1], leg.group.chain.n, 3))
 
 
 def carried_accelerations(system: System, forces: Array, f: Array) -> Array:

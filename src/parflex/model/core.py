@@ -1,7 +1,7 @@
 """The core of a model, which the rest of the library reads: mechanism, compiled functions, checked states."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple, Protocol
 
@@ -16,12 +16,14 @@ from parflex.base.errors import InputError
 from parflex.compiled import choose
 from parflex.compiled.functions import Functions
 from parflex.kernels import joints as kernels
+from parflex.kernels.moved_base import with_base
 from parflex.mechanics.designs import rebuilt
 from parflex.mechanics.flat_state import flat_state, state_of
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.ordering import Joints, by_leg
 from parflex.mechanics.rests import rested
 from parflex.mechanics.system import System, examined, joint_reactions, leg_accelerations
+from parflex.robot.base_motion import BaseMotion
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
@@ -55,10 +57,26 @@ class Core:
         Raises InputError for values that the robot itself would refuse.
         """
         mechanism = rested(rebuilt(self.functions.parameters, theta))
+        mechanism = replace(mechanism, base=self.mechanism.base)
         return Core(mechanism, self.functions.at(mechanism, theta))
 
+    def on(self, base: BaseMotion | None) -> "Core":
+        """The core on a base that moves so; itself without one."""
+        if base is None:
+            return self
+        flat = of_type("base", base, BaseMotion).flat
+        mechanism = with_base(self.mechanism, flat)
+        return Core(mechanism, self.functions.on(mechanism, flat))
+
+    def weighed(self, acceleration: Array, rotation: Array) -> "Core":
+        """The core at rest, seen from a base of such axes (3, 3) whose acceleration (3,) adds to gravity, as far
+        as equilibria read it."""
+        gravity = rotation.T @ (self.mechanism.gravity - acceleration)
+        mechanism = replace(self.mechanism, gravity=gravity)
+        return Core(mechanism, self.functions.at(mechanism, self.functions.theta))
+
     def flat(self, state: State) -> Array:
-        """The flat state (…, size), as `flat_state`."""
+        """The flat state (…, size), as `flat_state`; one for each motion of the base, where these are many."""
         return flat_state(self.mechanism, state)
 
     def state(self, x: Array) -> State:

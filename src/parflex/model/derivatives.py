@@ -31,7 +31,7 @@ def direct_jacobian_of(
     health.check_finite(found["by_state"])
     if functions.parameters.items:
         build = jacobians.parameter_jacobian
-        found |= functions(build, places, functions.parameters, theta=theta)(**given)
+        found |= functions(build, places, functions.parameters, functions.way, theta=theta)(**given)
     return by_fields(core.mechanism, found)
 
 
@@ -39,11 +39,18 @@ def by_fields(mechanism: Mechanism, found: Mapping[str, Array]) -> DirectJacobia
     """The derivatives of what `kernels.jacobians` gives by rows; without parameters (…, 0) by them."""
     rows = {"by": 6 + mechanism.platform.modes, "carried_by": mechanism.layout.carried}
     columns = {"state": mechanism.layout.motion_size, "forces": mechanism.n_forces, "load": rows["by"]}
-    columns["parameters"] = found.get("by_parameters", np.zeros(0)).shape[-1] // rows["by"]
+    for name in ("parameters", "base"):
+        columns[name] = found.get(f"by_{name}", np.zeros(0)).shape[-1] // rows["by"]
     batch = found["by_state"].shape[:-1]
-    parts = [(f"{kind}_{name}", (r, c)) for kind, r in rows.items() for name, c in columns.items()]
     none = np.zeros((*batch, 0))
-    return DirectJacobian(*(found.get(name, none).reshape((*batch, *shape)) for name, shape in parts))
+    parts = {
+        (kind, name): found.get(f"{kind}_{name}", none).reshape((*batch, r, c))
+        for kind, r in rows.items()
+        for name, c in columns.items()
+    }
+    of_platform = {name: part for (kind, name), part in parts.items() if kind == "by"}
+    of_legs = {f"carried_{name}": part for (kind, name), part in parts.items() if kind != "by"}
+    return DirectJacobian(**of_platform, carried=of_legs.pop("carried_state"), **of_legs)
 
 
 def inverse_jacobian_of(
@@ -61,4 +68,4 @@ def inverse_jacobian_of(
     found = core.functions(jacobians.inverse_jacobian, output, places_of(wrenches), theta=theta)(**given)
     core.check(given["x"], found["health"])
     health.check_finite(found["by_state"])
-    return InverseJacobian(*(by_rows(found[name], m) for name in ("by_state", "by_target")))
+    return InverseJacobian(*(by_rows(found[name], m) for name in jacobians.INVERSE_BY))

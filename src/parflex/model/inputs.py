@@ -11,11 +11,13 @@ from parflex.base.errors import InputError
 from parflex.mechanics.output import FrameOutput, Output, PlatformOutput
 from parflex.mechanics.wrench import generalised_force, pushes_of
 from parflex.model.core import Core
+from parflex.robot.base_motion import BaseMotion
 from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
 
 Values = Mapping[str, ArrayLike] | None
 Wrenches = Sequence[Wrench]
+Floor = BaseMotion | None  # None: Σ0 is the world's frame
 
 
 def forces(core: Core, given: ArrayLike) -> Array:

@@ -19,9 +19,9 @@ from parflex.model import inputs, inverting
 from parflex.model.core import joints_at, legs_moved, made
 from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
-from parflex.model.inputs import Values, Wrenches
+from parflex.model.inputs import Floor, Values, Wrenches
 from parflex.model.renamed import renamed
-from parflex.model.rest import equilibrium_of
+from parflex.model.carried_rest import carried_equilibrium
 from parflex.model.results import (
     Accelerations,
     DirectJacobian,
@@ -85,24 +85,32 @@ class Model:
         return other
 
     def direct(
-        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, parameters: Values = None
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Wrenches = (),
+        *,
+        parameters: Values = None,
+        base: Floor = None,
     ) -> Accelerations:
         """Accelerations and contact forces for given actuator forces (…, m) (Sec. 5.2).
 
-        Leading axes of state, forces, wrenches and values of parameters broadcast. Where contact forces
-        are not unique (see `mobility`) they are the shortest.
+        Leading axes of state, forces, wrenches, values of parameters and base broadcast. Where contact forces
+        are not unique (see `mobility`) they are the shortest. A base is the motion of the floor; the state is
+        in the world then as well.
 
         Raises InputError for wrong shapes and states off the closure, OutOfReach and SingularPose
         where a leg's inverse geometry fails or the closure loses a row.
         """
-        x, u = self._core.flat(state), inputs.forces(self._core, forces)
-        load, theta = inputs.load(self._core, state, wrenches), inputs.theta(self._core, parameters)
+        core = self._core.on(base)
+        x, u = core.flat(state), inputs.forces(core, forces)
+        load, theta = inputs.load(core, state, wrenches), inputs.theta(core, parameters)
         broadcast_together(state=x, forces=u, wrenches=load, parameters=theta)
-        found = self._core.functions(kernels.direct, theta=theta).run(x=x, forces=u, load=load)
-        self._core.check(x, found["health"])
+        found = core.functions(kernels.direct, theta=theta).run(x=x, forces=u, load=load)
+        core.check(x, found["health"])
         health.check_finite(found["platform"])
-        contact = by_attachment(self._core.mechanism, found["contact"])
-        legs = partial(legs_moved, self._core, state, u, contact, theta)
+        contact = by_attachment(core.mechanism, found["contact"])
+        legs = partial(legs_moved, core, state, u, contact, theta)
         return Accelerations(found["platform"], found["elastic"], contact).with_legs(legs)
 
     def inverse(
@@ -116,6 +124,7 @@ class Model:
         parameters: Values = None,
         legs: str = "moving",
         allow_ill_posed: bool = False,
+        base: Floor = None,
     ) -> Forces:
         """Actuator forces for a wanted acceleration (…, o) of the output (Sec. 5.1).
 
@@ -132,20 +141,27 @@ class Model:
         (static legs), and SingularPose: of a leg, of J_p⁻¹, or dynamic. Warns (DynamicSingularity)
         beyond a dynamic singularity, where the platform accelerates against its actuators.
         """
-        asked = inverting.wanted(self._core, state, target, output, wrenches, preload, parameters)
-        return inverting.inverse(self._core, asked, legs, allow_ill_posed)
+        core = self._core.on(base)
+        asked = inverting.wanted(core, state, target, output, wrenches, preload, parameters)
+        return inverting.inverse(core, asked, legs, allow_ill_posed)
 
     def direct_jacobian(
-        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, parameters: Values = None
+        self,
+        state: State,
+        forces: ArrayLike,
+        wrenches: Wrenches = (),
+        *,
+        parameters: Values = None,
+        base: Floor = None,
     ) -> DirectJacobian:
-        """Derivatives of the accelerations of `direct` by state, forces, loads and parameters; exact.
+        """Derivatives of the accelerations of `direct` by state, forces, loads, parameters and base; exact.
 
         The wrenches are held in the frame they are given in. The derivatives are those of the formulas:
         for robots of fewer freedoms they hold for motions that the closure allows.
 
         Raises as `direct`, and InputError for a batch of wrenches.
         """
-        return direct_jacobian_of(self._core, state, forces, wrenches, parameters)
+        return direct_jacobian_of(self._core.on(base), state, forces, wrenches, parameters)
 
     def inverse_jacobian(
         self,
@@ -155,13 +171,14 @@ class Model:
         wrenches: Wrenches = (),
         *,
         parameters: Values = None,
+        base: Floor = None,
     ) -> InverseJacobian:
-        """Derivatives of the forces of `inverse` by state and target; exact.
+        """Derivatives of the forces of `inverse` by state, target and base; exact.
 
         Ill-posed outputs are differentiated as they are. Raises as `inverse` otherwise, and InputError for a
         batch of wrenches, and where the output has not as many rows as there are actuators.
         """
-        return inverse_jacobian_of(self._core, state, target, output, wrenches, parameters)
+        return inverse_jacobian_of(self._core.on(base), state, target, output, wrenches, parameters)
 
     def cartesian(self, state: State) -> Cartesian:
         """The Cartesian form A V̇_p + c = J_sys⁻ᵀ Γ of Eqs. 44–49.
@@ -170,28 +187,30 @@ class Model:
         """
         return cartesian(self._core.mechanism, self._core.system(state).x)[0]
 
-    def joints(self, state: State) -> Joints:
+    def joints(self, state: State, *, base: Floor = None) -> Joints:
         """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return joints_at(self._core, state)
+        return joints_at(self._core.on(base), state)
 
     def joint_accelerations(
-        self, state: State, forces: ArrayLike, wrenches: Wrenches = ()
+        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, base: Floor = None
     ) -> tuple[Array, ...]:
         """q̈ (…, n_i) of each leg under given actuator forces (…, m); m/s² and rad/s²; raises as `direct`."""
-        return self.direct(state, forces, wrenches).leg_joints
+        return self.direct(state, forces, wrenches, base=base).leg_joints
 
-    def reactions(self, state: State, forces: ArrayLike, wrenches: Wrenches = ()) -> Reactions:
+    def reactions(
+        self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, base: Floor = None
+    ) -> Reactions:
         """Forces and moments at every joint of the legs under given actuator forces (…, m).
 
         Raises as `direct`.
         """
-        contact = self.direct(state, forces, wrenches).contact_forces
-        pairs = legs_moved(self._core, state, forces, contact).reactions
+        contact = self.direct(state, forces, wrenches, base=base).contact_forces
+        pairs = legs_moved(self._core.on(base), state, forces, contact).reactions
         return Reactions(*(by_leg(self._core.mechanism, [p[i] for p in pairs], core=2) for i in (0, 1)))
 
-    def energies(self, state: State) -> Energies:
-        """Kinetic, gravitational and strain energy of the robot, and that of its joints' springs."""
-        return energies(self._core.system(state))
+    def energies(self, state: State, *, base: Floor = None) -> Energies:
+        """Kinetic, gravitational and strain energy of the robot in the world, and that of its springs."""
+        return energies(self._core.on(base).system(state))
 
     def mobility(self, state: State) -> mobility.Mobility:
         """Freedoms, redundant constraints, and singularities of both kinds with their directions.
@@ -216,7 +235,7 @@ class Model:
         health.single("state", self._core.flat(state))
         return zero_dynamics.output_report(self._core.functions, state, inputs.commanded(self._core, output))
 
-    def project(self, state: State) -> State:
+    def project(self, state: State, *, base: Floor = None) -> State:
         """The state on the closure nearest to a state: what the legs allow.
 
         The platform's pose and twist are moved, and its bend only where they do not suffice.
@@ -224,7 +243,8 @@ class Model:
         Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
         at the given one.
         """
-        return self._core.state(health.on_closure(self._core.mechanism, state))
+        core = self._core.on(base)
+        return core.state(health.on_closure(core.mechanism, state))
 
     def forward(self, joints: ArrayLike, guess: State | None = None, *, sag: bool = False) -> State:
         """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
@@ -256,17 +276,20 @@ class Model:
         guess: State | None = None,
         wrenches: Wrenches = (),
         parameters: Values = None,
+        base: Floor = None,
     ) -> tuple[State, Array]:
         """The equilibrium under gravity, springs and wrenches at a pose of Σp: the state, platform and legs
         bent, and the forces (m,) that hold it; or the one under given forces (m,) that is found from a guess
         at rest, by default home.
 
-        Where the legs do not allow the pose with the platform bent, it is the nearest they allow.
+        Where the legs do not allow the pose with the platform bent, it is the nearest they allow. On a base
+        that accelerates steadily the state goes with it.
 
-        Raises InputError for batches, NotConverged where nothing is found near, where no forces hold the
+        Raises InputError for batches and bases that turn, NotConverged where nothing is found near, where no forces hold the
         platform, where it is too soft for a small deflection or a leg buckles.
         """
-        return equilibrium_of(self._core, position, rotation, forces, guess, wrenches, parameters)
+        asked = position, rotation, forces, guess, wrenches, parameters
+        return carried_equilibrium(self._core, base, *asked)
 
     legs = renamed("legs", joints)
     pose = renamed("pose", forward)

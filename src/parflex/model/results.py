@@ -80,6 +80,8 @@ class DirectJacobian(NamedTuple):
     (…, 6 + N, m) by Γ; load (…, 6 + N, 6 + N) by a generalised force on (Σp, modes); parameters
     (…, 6 + N, P) by the model's parameters, one after the other. carried (…, n, 12 + 2 N + 2 n),
     carried_forces (…, n, m), carried_load (…, n, 6 + N) and carried_parameters (…, n, P) are those of s̈.
+    base (…, 6 + N, 18) and carried_base (…, n, 18) are by the motion of a base, (…, 0) where there is none:
+    by (δp_b 3, δθ_b 3, δv_b 3, δω_b 3, δa_b 3, δω̇_b 3) in world axes, δθ_b being R_b → exp(δθ̂_b) R_b.
     """
 
     state: Array
@@ -90,17 +92,20 @@ class DirectJacobian(NamedTuple):
     carried_forces: Array
     carried_load: Array
     carried_parameters: Array
+    base: Array
+    carried_base: Array
 
 
 class InverseJacobian(NamedTuple):
     """∂Γ, rows (m), of the inverse model.
 
     state (…, m, 12 + 2 N + 2 n) by small motions as in `DirectJacobian`, target (…, m, m) by the
-    output's acceleration.
+    output's acceleration, base (…, m, 18) by the motion of a base, (…, m, 0) where there is none.
     """
 
     state: Array
     target: Array
+    base: Array
 
 
 class Reactions(NamedTuple):

@@ -7,6 +7,7 @@ import numpy as np
 from parflex.base.array import Array, join, merged, mtv, mv, skew, split, transpose
 from parflex.base.dual import jacobian
 from parflex.mechanics import chain, recursion
+from parflex.mechanics.floor import Ground, ground, under_legs
 from parflex.mechanics.leg_terms import LegTerms, flexed, leg_response, rates_of
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
@@ -102,30 +103,31 @@ def residual_tangent(system: System, leg: LegTerms, section: Array, zdd: Array, 
     push = (len(leg.group.tip_frames), 3)
 
     def tangent(group: LegGroup, *given: Array) -> Array:
-        seeds, zdd, force, branch, axes, gravity = given
+        seeds, zdd, force, branch, axes, *ground = given
         group, force = group.on(branch), force.reshape(force.shape[:-1] + push)
-        local = mtv(group.rotation, gravity)
+        local = under_legs(group, *ground)
         return jacobian(lambda x: leg_residual(group, x, zdd, force, axes, local), seeds)
 
     rows = [leg_seeds(leg, system.x, section), zdd, merged(force), leg.branch, axes_of(leg, section)]
-    found: Array = each_leg(leg.group, tangent, rows, [system.mechanism.gravity])
+    floor = ground(system.mechanism.base, system.mechanism.gravity)
+    found: Array = each_leg(leg.group, tangent, rows, floor)
     return found
 
 
 def leg_residual(
-    group: LegGroup, seeds: Array, zdd: Array, force: Array, axes: Array, gravity: Array
+    group: LegGroup, seeds: Array, zdd: Array, force: Array, axes: Array, ground: Ground
 ) -> Array:
     """(A z̈ + c + Jᵀ f, J z̈ + J̇ż, moments of flexures on the platform): (…, L, z + 3t[ + 3t]) in Σ0i.
 
     seeds as in `Seeds`, side by side; force (…, L, t, 3), axes (…, L, 9t) of the platform's sections where
-    there are flexures, gravity (L, 3); all in Σ0i.
+    there are flexures; all in Σ0i. The accelerations of the tips are those less gravity.
     """
     c, at = group.chain, seeds_of(group, seeds)
     joints = group.type.joints(group, at.place, at.s)
     frames, tips = chain.frames(c, joints), group.points(joints.bend)
     J = [chain.tip_jacobian(c, frames, tip) for tip in tips] if any(c.modes) else []
     zd = rates_of(group, frames, joints, J, at.place, at.velocity, at.sd)
-    motions = recursion.link_motions(c, frames, zd, zdd, gravity)
+    motions = recursion.link_motions(c, frames, zd, zdd, ground.motion)
     loads, accelerations = recursion.unloaded(c), []
     for t, tip in enumerate(tips):
         R = frames.R_0j[tip.link]
@@ -143,7 +145,7 @@ def leg_residual(
 
 def sections_of(system: System) -> list[Array]:
     """The platform's sections (…, L, t, 12) at the tips, group by group."""
-    return sections_by_group(system.mechanism, system.sections)
+    return sections_by_group(system.mechanism, system.sections, system.seen)
 
 
 def blockwise(R: Array, a: Array) -> Array:

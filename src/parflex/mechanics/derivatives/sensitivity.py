@@ -10,6 +10,7 @@ under contact forces. Small motions of the state are those of `Layout.motions`.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -21,8 +22,9 @@ from parflex.mechanics.contact import Contact, contact_forces, contact_system
 from parflex.mechanics.derivatives.changes import Load, leg_changes, platform_changes
 from parflex.mechanics.derivatives.leg_tangent import axes_of, leg_residual, leg_seeds, sections_of, seen
 from parflex.mechanics.dynamics import acceleration_map, accelerations, inverse_of
-from parflex.mechanics.kinematics import unstacked
-from parflex.mechanics.leg_terms import selection
+from parflex.mechanics.floor import BASE_CHANGES, Base, Seen, ground, seen_from, shifted, under_legs
+from parflex.mechanics.kinematics import position_in_world, unstacked
+from parflex.mechanics.leg_terms import LegTerms, selection
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.platform import Platform, platform_terms
@@ -35,6 +37,7 @@ class Sensitivity(NamedTuple):
     state: Array  # (…, 6 + N + n, 12 + 2 N + 2 n)
     forces: Array  # (…, 6 + N + n, m)
     load: Array  # (…, 6 + N + n, 6 + N), by a generalised force
+    base: Array  # (…, 6 + N + n, 18), by the base's motion; without a base no columns
 
 
 class Solved(NamedTuple):
@@ -83,7 +86,7 @@ def direct_sensitivity(system: System, u: Array, load: Load) -> Sensitivity:
     """The derivatives of the direct model at an assembled state under Γ (…, m) and a load."""
     at = solved(system, u, load(system.x))
     by_forces = each(lambda y, JAS: y @ JAS, [at.Y], [at.JAS]) + own_rows(system, at.AS)
-    return Sensitivity(by_state(system, at, load), by_forces, at.Q)
+    return Sensitivity(by_state(system, at, load), by_forces, at.Q, base_sensitivity(system, at))
 
 
 def own_rows(system: System, rows: Array) -> Array:
@@ -93,8 +96,9 @@ def own_rows(system: System, rows: Array) -> Array:
 
 def inverse_sensitivity(
     system: System, target: Array, load: Load, output: PlatformOutput
-) -> tuple[Array, Array]:
-    """∂Γ by the state (…, m, 12 + 2 N + 2 n) and by the output's target (…, m, m), as many as actuators.
+) -> tuple[Array, Array, Array]:
+    """∂Γ by the state (…, m, 12 + 2 N + 2 n), by the output's target (…, m, m), as many as actuators, and by
+    the base's motion (…, m, 18), without a base no columns.
 
     The output's acceleration is L(x) a + d(x): L da + ∂(L a + d) = dtarget.
     """
@@ -116,9 +120,12 @@ def inverse_sensitivity(
     carried = np.zeros((output.size, moved.shape[-1] - motions.joints.start))
     change = output.linear(body, x, moved[..., :6, :], moved[..., 6:, :]) + block([[still, own, carried]])
     gain = output.linear(body, x, driven[..., :6, :], driven[..., 6:, :])
-    columns = block([[-change, np.eye(output.size)]])
+    shaken = base_sensitivity(system, at)[..., : 6 + N, :]
+    by_base = output.linear(body, x, shaken[..., :6, :], shaken[..., 6:, :])
+    columns = block([[-change, np.eye(output.size), -by_base]])
     found = transpose(solve_least_norm(gain[..., None, :, :], transpose(columns)))
-    return found[..., : change.shape[-1]], found[..., change.shape[-1] :]
+    first, last = change.shape[-1], change.shape[-1] + output.size
+    return found[..., :first], found[..., first:last], found[..., last:]
 
 
 def parameter_sensitivity(
@@ -126,14 +133,51 @@ def parameter_sensitivity(
 ) -> Array:
     """∂(V̇_p, q̈_e, s̈)/∂θ (…, 6 + N + n, P) of the mechanism that has θ (P,) in its tables, at its assembled
     state."""
-    at, P = solved(system, u, load(system.x)), len(theta)
-    found = jacobian(lambda theta: residuals(system._replace(mechanism=mechanism_at(theta)), at), theta)
+    at = solved(system, u, load(system.x))
+    return system_sensitivity(lambda theta: system._replace(mechanism=mechanism_at(theta)), theta, system, at)
+
+
+def base_sensitivity(system: System, at: Solved) -> Array:
+    """∂(V̇_p, q̈_e, s̈) (…, 6 + N + n, 18) by small changes of the base's motion, as of `floor.shifted`; no
+    columns without a base."""
+    base = system.mechanism.base
+    if base is None:
+        return np.zeros((*at.a.shape[:-1], at.Y.shape[-2], 0))
+    unmoved = np.broadcast_to(0.0 * at.a[..., :1], (*at.a.shape[:-1], BASE_CHANGES))
+    return system_sensitivity(lambda seeds: on_floor(system, shifted(base, seeds)), unmoved, system, at)
+
+
+def on_floor(system: System, base: Base) -> System:
+    """The system as another base sees it, as far as `residuals` reads it."""
+    x, points, mechanism = system.x, system.points, replace(system.mechanism, base=base)
+    place = position_in_world(points.r, x)
+    seen = seen_from(base, Seen(x.rotation, place, points.v, system.sections.spin))
+    moved = zip(system.legs, *(by_group(mechanism, part) for part in seen[1:3]), strict=True)
+    legs = [placed_again(leg, seen.rotation, place, v) for leg, place, v in moved]
+    return system._replace(mechanism=mechanism, legs=legs, seen=seen)
+
+
+def placed_again(leg: LegTerms, rotation: Array, place: Array, v: Array) -> LegTerms:
+    """A leg whose tips (…, L, t, 3) are elsewhere in Σ0, of velocities in Σp, the platform turned so in Σ0."""
+    R_i0 = transpose(leg.group.rotation)[:, None]
+    R_ip = R_i0 @ rotation[..., None, None, :, :]
+    return leg._replace(R_ip=R_ip, place=mv(R_i0, place - leg.group.origin[:, None]), velocity=mv(R_ip, v))
+
+
+def system_sensitivity(
+    system_at: Callable[[Array], System], theta: Array, system: System, at: Solved
+) -> Array:
+    """∂(V̇_p, q̈_e, s̈)/∂θ (…, 6 + N + n, P) of a system that changes with θ (…, P)."""
+    P = theta.shape[-1]
+    found = jacobian(lambda theta: residuals(system_at(theta), at), theta)
     first, closure, carried = 0, [np.zeros((0, P))], [np.zeros((0, P))]
     for leg, mobile in zip(system.legs, at.mobile, strict=True):
-        count, z = leg.A.shape[-3], leg.A.shape[-1]
-        r_2 = found[..., first : first + count * z, :]
-        s = -(mobile @ r_2.reshape((*r_2.shape[:-2], count, z, P)))
-        first, rows = first + count * z, leg.J.shape[-2]
+        count, z, rows = leg.A.shape[-3], leg.A.shape[-1], leg.J.shape[-2]
+        r = found[..., first : first + count * (z + rows), :]
+        r = r.reshape((*r.shape[:-2], count, z + rows, P))
+        below = np.zeros((mobile.shape[-2] - rows, P))
+        s = block([[r[..., z:, :]], [below]]) - mobile @ r[..., :z, :]
+        first = first + count * (z + rows)
         for all_legs, part in ((closure, s[..., :rows, :]), (carried, s[..., rows:, :])):
             all_legs.append(part.reshape((*part.shape[:-3], count * part.shape[-2], P)))
     s, own = (block([[part] for part in all_legs]) for all_legs in (closure, carried))
@@ -142,16 +186,18 @@ def parameter_sensitivity(
 
 
 def residuals(system: System, at: Solved) -> Array:
-    """A z̈ + c + Jᵀ f of all legs and M_p a + c_p, one after the other, for one state."""
+    """A z̈ + c + Jᵀ f and J z̈ + J̇ż of each leg, and M_p a + c_p, one after the other."""
     x, mechanism, parts = system.x, system.mechanism, []
     platform, tips = mechanism.platform, by_group(mechanism, unstacked(at.f))
+    under = ground(mechanism.base, mechanism.gravity)
     held, tilts = np.zeros(6 + platform.modes), by_group(mechanism, merged(system.sections.tilt))
     legs = zip(mechanism.groups, system.legs, sections_of(system), tilts, at.qdd, tips, strict=True)
     for group, leg, section, tilt, zdd, f in legs:
         own, (z, rows) = group.on(leg.branch), (group.chain.size, 3 * len(group.tip_frames))
-        gravity, seeds = mtv(group.rotation, mechanism.gravity), leg_seeds(leg, x, section)
-        rest = leg_residual(own, seeds, zdd, mv(leg.R_ip, f), axes_of(leg, section), gravity)
-        parts.append(merged(rest[..., :z]))
+        floor, seeds = under_legs(group, *under), leg_seeds(leg, x, section)
+        rest = leg_residual(own, seeds, zdd, mv(leg.R_ip, f), axes_of(leg, section), floor)
+        moved = mtv(leg.R_ip, unstacked(rest[..., z : z + rows]) + floor.gravity[..., None, :])
+        parts.append(merged(join([rest[..., :z], merged(moved)])))
         if group.flexures is not None:
             m = mtv(leg.R_ip, rest[..., z + rows :].reshape(leg.place.shape))
             modal = mtv(tilt.reshape((*m.shape, platform.modes)), m)

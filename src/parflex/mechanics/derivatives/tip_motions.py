@@ -8,13 +8,13 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, block, cross, dot, join, merged, mv, outer, skew, transpose
+from parflex.base.array import Array, block, cross, dot, join, merged, mtv, mv, outer, skew, transpose
 from parflex.mechanics.system import System, by_group
 
 
 class TipMotions(NamedTuple):
     """Changes of place and velocity of k tips, and of attitude and angular velocity of the platform's
-    sections there, all seen from Σ0 and resolved in Σp: (…, k, 3, D), D = 12 + 2 N."""
+    sections there, all seen from the base and resolved in Σp: (…, k, 3, D), D = 12 + 2 N."""
 
     place: Array
     velocity: Array
@@ -28,6 +28,9 @@ def tip_motions(system: System) -> TipMotions:
     one, none, unbent = np.eye(3), np.zeros((3, 3)), np.zeros(Phi.shape)
     place = block([[one, -skew(r), none, none, Phi, unbent]])
     velocity = block([[none, -skew(v), one, -skew(r), w @ Phi, Phi]])
+    if system.mechanism.base is not None:
+        turning = mtv(system.x.rotation, system.mechanism.base.omega)
+        velocity = velocity - skew(turning)[..., None, :, :] @ place
     if not system.mechanism.flexed:
         still = place[..., :0, :]
         return TipMotions(place, velocity, still, still)
