@@ -16,8 +16,8 @@ BASE = "base"
 
 
 def moved_base(mechanism: Mechanism, build: Callable[..., Kernel], *chosen: object) -> Kernel:
-    """The kernel that `build` makes of the mechanism and its other arguments, with the flat motion of the base
-    as an input, as `BaseMotion.flat` has it; its quaternion may have any length but zero."""
+    """The kernel that `build` makes of the mechanism and its other arguments, with the flat motion of the
+    base as an input, as `BaseMotion.flat` has it; its quaternion may have any length but zero."""
     return remade(mechanism, BASE, AT_REST, with_base, build, *chosen)
 
 

@@ -83,8 +83,9 @@ def energies(system: System) -> Energies:
 
 
 def carried_energy(base: Base, leg: LegTerms) -> Array:
-    """The part of the kinetic energy (…,) of legs that a base which moves adds to ½ żᵀ A ż: żᵀ p + ½ (v, ω)·h,
-    of the momenta p of the legs' coordinates, and h of their bases, that the base's twist alone gives.
+    """The part of the kinetic energy (…,) of legs that a base which moves adds to ½ żᵀ A ż: it is
+    żᵀ p + ½ (v, ω)·h, of the momenta p of the legs' coordinates, and h of their bases, that the base's twist
+    alone gives.
 
     The recursion turns accelerations into forces as velocities into momenta.
     """

@@ -1,7 +1,7 @@
 """The floor under the legs: where Σ0 is in the world, how it moves, and what the legs see of the platform.
 
-The platform stays in absolute coordinates; only the legs see the base. A base that accelerates is one on which
-gravity is g − a; a frame that turns adds its angular velocity to the start of the legs' recursion.
+The platform stays in absolute coordinates; only the legs see the base. On a base that accelerates gravity is
+g − a; a frame that turns adds its angular velocity to the start of the legs' recursion.
 """
 
 from typing import NamedTuple
@@ -12,7 +12,6 @@ from parflex.base.array import Array, cross, mtv, mv, skew, split, transpose
 from parflex.base.spatial import rotation_from_quaternion
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.recursion import Motion, point_acceleration
-
 
 BASE_CHANGES = 18  # small changes of a base, as of `shifted`
 
@@ -38,8 +37,8 @@ class Seen(NamedTuple):
 
 
 class Ground(NamedTuple):
-    """The floor under L legs: the motion of their frames Σ0i, which accelerate with −g where nothing moves, and
-    gravity (…, L, 3); all in Σ0i."""
+    """The floor under L legs: the motion of their frames Σ0i, which accelerate with −g where nothing moves,
+    and gravity (…, L, 3); all in Σ0i."""
 
     motion: Motion
     gravity: Array
@@ -91,8 +90,8 @@ def twist_of_legs(base: Base, group: LegGroup) -> tuple[Array, Array]:
 
 
 def shifted(base: Base, seeds: Array) -> Base:
-    """A base a little beside another, by (…, 18): δp_b, δθ_b with R_b → (1 + δθ̂_b) R_b, δv_b, δω_b, δa_b, δω̇_b, in
-    the world."""
+    """A base a little beside another, by (…, 18): δp_b, δθ_b with R_b → (1 + δθ̂_b) R_b, δv_b, δω_b,
+    δa_b, δω̇_b, in the world."""
     p, theta, *rates = split(seeds, [(3,)] * 6)
     turned = base.rotation + skew(theta) @ base.rotation
     found = (part + change for part, change in zip(base[2:], rates, strict=True))

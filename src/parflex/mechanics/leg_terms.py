@@ -9,8 +9,8 @@ from parflex.base.array import Array, join, merged, mtv, mv, split, stack, trans
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, recursion
 from parflex.mechanics.chain import Frames, Point
-from parflex.mechanics.floor import under_legs
 from parflex.mechanics.flexures import bent_angle, from_rest, moments, openness, relative_spin
+from parflex.mechanics.floor import under_legs
 from parflex.mechanics.inertia import inertia_matrix
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup

@@ -9,8 +9,8 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.mechanics.chain import chain_of, joined
-from parflex.mechanics.floor import Base
 from parflex.mechanics.flexures import Flexures, flexures_of
+from parflex.mechanics.floor import Base
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
 from parflex.mechanics.legs.base import regular, settled
 from parflex.mechanics.platform import Platform, platform_of

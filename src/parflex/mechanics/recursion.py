@@ -29,8 +29,8 @@ class Reaction(NamedTuple):
 
 
 def link_motions(chain: Chain, frame: Frames, zd: Array, zdd: Array, base: Motion) -> list[Motion]:
-    """Forward recursion from the base, which comes last, and accelerates with −g besides what it does: gravity
-    needs no further word."""
+    """Forward recursion from the base, which comes last, and accelerates with −g besides what it does:
+    gravity needs no further word."""
     motions = [base]
     for j, a in enumerate(chain.antecedent):
         R_aj, p_aj, seat = frame.R_aj[j], frame.p_aj[j], frame.seats[j]

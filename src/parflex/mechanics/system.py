@@ -214,7 +214,7 @@ def reactions(system: System, zdd: list[Array], f: Array) -> list[recursion.Reac
 
 
 def by_link(vectors: list[Array], leg: LegTerms, zdd: Array) -> Array:
-    """Vectors (…, L, 3) of the links, and last of the base, which is left out: (…, L, n, 3) for z̈ (…, L, z)."""
+    """Vectors (…, L, 3) of the links, less the last, which is the base: (…, L, n, 3), at z̈ (…, L, z)."""
     links = block([[np.zeros((0, 3))], *([vector[..., None, :]] for vector in vectors[:-1])])
     return np.broadcast_to(links, (*zdd.shape[:-1], leg.group.chain.n, 3))
 

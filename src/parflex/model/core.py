@@ -69,14 +69,14 @@ class Core:
         return Core(mechanism, self.functions.on(mechanism, flat))
 
     def weighed(self, acceleration: Array, rotation: Array) -> "Core":
-        """The core at rest, seen from a base of such axes (3, 3) whose acceleration (3,) adds to gravity, as far
-        as equilibria read it."""
+        """The core at rest, seen from a base of such axes (3, 3) whose acceleration (3,) adds to gravity,
+        as far as equilibria read it."""
         gravity = rotation.T @ (self.mechanism.gravity - acceleration)
         mechanism = replace(self.mechanism, gravity=gravity)
         return Core(mechanism, self.functions.at(mechanism, self.functions.theta))
 
     def flat(self, state: State) -> Array:
-        """The flat state (…, size), as `flat_state`; one for each motion of the base, where these are many."""
+        """The flat state (…, size), as `flat_state`; one for each motion of a base, where these are many."""
         return flat_state(self.mechanism, state)
 
     def state(self, x: Array) -> State:

@@ -1,6 +1,6 @@
 """The models on flat arrays, for control loops: no allocation, no checks after the first call."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -9,21 +9,23 @@ from parflex.base.errors import InputError
 from parflex.compiled.backend import Trigger
 from parflex.kernels import models as kernels
 from parflex.kernels.kernel import lengths
+from parflex.kernels.moved_base import moved_base
 from parflex.mechanics.output import Output
 from parflex.model.core import Core
+from parflex.robot.base_motion import BASE
 from parflex.robot.state import State
 
 REMEMBERED = 64  # sets of arrays, per function
 
 
-Key = tuple[int, int, int]  # identities of the arrays
+Key = tuple[int, ...]  # identities of the arrays
 
 
 class Bound(NamedTuple):
     """A bound call and the very objects that were passed: while they live, their id is theirs."""
 
     trigger: Trigger
-    arrays: tuple[Array, Array, Array]
+    arrays: tuple[Array | None, ...]
 
 
 class Compiled:
@@ -61,34 +63,38 @@ class Compiled:
         """The state of a flat vector."""
         return self._core.state(x)
 
-    def direct(self, x: Array, u: Array, out: Array) -> None:
-        """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,)."""
-        key = (id(x), id(u), id(out))
+    def direct(self, x: Array, u: Array, out: Array, base: Array | None = None) -> None:
+        """out = (V̇_p 6, q̈_e N[, contact forces 3 per attachment held]) for forces u (m,).
+
+        base (19,) is the motion of a floor that moves, as `BaseMotion.flat`.
+        """
+        key = (id(x), id(u), id(out), id(base))
         bound = self._direct.get(key)
         if bound is None:
-            bound = Bound(self._bind_direct(x, u, out), (x, u, out))
+            bound = Bound(self._bind_direct(x, u, out, base), (x, u, out, base))
             remember(self._direct, key, bound)
         bound.trigger()
 
-    def inverse(self, x: Array, target: Array, out: Array) -> None:
-        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for an output's target (o,).
+    def inverse(self, x: Array, target: Array, out: Array, base: Array | None = None) -> None:
+        """out = (Γ m, q̈_e N[, contact forces 3 per attachment held]) for an output's target (o,), on a base
+        as of `direct`.
 
         Nothing is checked here: near a singular pose the forces grow without bound.
         """
-        key = (id(x), id(target), id(out))
+        key = (id(x), id(target), id(out), id(base))
         bound = self._inverse.get(key)
         if bound is None:
-            bound = Bound(self._bind_inverse(x, target, out), (x, target, out))
+            bound = Bound(self._bind_inverse(x, target, out, base), (x, target, out, base))
             remember(self._inverse, key, bound)
         bound.trigger()
 
-    def _bind_direct(self, x: Array, u: Array, out: Array) -> Trigger:
+    def _bind_direct(self, x: Array, u: Array, out: Array, base: Array | None) -> Trigger:
         check("x", x, self.state_size)
         check("u", u, self.force_size)
         outputs = self._split(out, "platform", 6)
-        return self._core.functions(kernels.direct).bind({"x": x, "forces": u}, outputs)
+        return self._bound(base, {"x": x, "forces": u}, outputs, kernels.direct)
 
-    def _bind_inverse(self, x: Array, target: Array, out: Array) -> Trigger:
+    def _bind_inverse(self, x: Array, target: Array, out: Array, base: Array | None) -> Trigger:
         check("x", x, self.state_size)
         size = self.output.size
         check("target", target, size)
@@ -98,8 +104,16 @@ class Compiled:
                 f"{self.force_size} actuators; use model.compiled(FrameOutput(rows=…))"
             )
         outputs = self._split(out, "forces", self.force_size)
-        function = self._core.functions(kernels.inverse, self.output)
-        return function.bind({"x": x, "target": target}, outputs)
+        return self._bound(base, {"x": x, "target": target}, outputs, kernels.inverse, self.output)
+
+    def _bound(
+        self, base: Array | None, given: dict[str, Array], outputs: dict[str, Array], *kernel: Any
+    ) -> Trigger:
+        """A call of a kernel, on a base that moves where there is one."""
+        if base is None:
+            return self._core.functions(*kernel).bind(given, outputs)
+        check("base", base, BASE)
+        return self._core.functions(moved_base, *kernel).bind({**given, "base": base}, outputs)
 
     def _split(self, out: Array, name: str, first: int) -> dict[str, Array]:
         """Views of the output's parts by name; the contact forces where there is room for them."""

@@ -16,19 +16,13 @@ from parflex.mechanics.ordering import Joints, by_attachment, by_leg
 from parflex.mechanics.output import Output
 from parflex.mechanics.system import examined
 from parflex.model import inputs, inverting
+from parflex.model.carried_rest import carried_equilibrium
 from parflex.model.core import joints_at, legs_moved, made
 from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Floor, Values, Wrenches
 from parflex.model.renamed import renamed
-from parflex.model.carried_rest import carried_equilibrium
-from parflex.model.results import (
-    Accelerations,
-    DirectJacobian,
-    Forces,
-    InverseJacobian,
-    Reactions,
-)
+from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 
@@ -285,8 +279,8 @@ class Model:
         Where the legs do not allow the pose with the platform bent, it is the nearest they allow. On a base
         that accelerates steadily the state goes with it.
 
-        Raises InputError for batches and bases that turn, NotConverged where nothing is found near, where no forces hold the
-        platform, where it is too soft for a small deflection or a leg buckles.
+        Raises InputError for batches and bases that turn, NotConverged where nothing is found near, where no
+        forces hold the platform, where it is too soft for a small deflection or a leg buckles.
         """
         asked = position, rotation, forces, guess, wrenches, parameters
         return carried_equilibrium(self._core, base, *asked)

@@ -144,7 +144,12 @@ def base_sensitivity(system: System, at: Solved) -> Array:
     if base is None:
         return np.zeros((*at.a.shape[:-1], at.Y.shape[-2], 0))
     unmoved = np.broadcast_to(0.0 * at.a[..., :1], (*at.a.shape[:-1], BASE_CHANGES))
-    return system_sensitivity(lambda seeds: on_floor(system, shifted(base, seeds)), unmoved, system, at)
+
+    def moved(seeds: Array) -> System:
+        s, sd = (part + (seeds[..., :1] - seeds[..., :1]) for part in (system.x.s, system.x.sd))  # like seeds
+        return on_floor(system._replace(x=system.x._replace(s=s, sd=sd)), shifted(base, seeds))
+
+    return system_sensitivity(moved, unmoved, system, at)
 
 
 def on_floor(system: System, base: Base) -> System:
@@ -158,7 +163,7 @@ def on_floor(system: System, base: Base) -> System:
 
 
 def placed_again(leg: LegTerms, rotation: Array, place: Array, v: Array) -> LegTerms:
-    """A leg whose tips (…, L, t, 3) are elsewhere in Σ0, of velocities in Σp, the platform turned so in Σ0."""
+    """A leg whose tips (…, L, t, 3) are elsewhere in Σ0, of velocities in Σp; the platform turned there."""
     R_i0 = transpose(leg.group.rotation)[:, None]
     R_ip = R_i0 @ rotation[..., None, None, :, :]
     return leg._replace(R_ip=R_ip, place=mv(R_i0, place - leg.group.origin[:, None]), velocity=mv(R_ip, v))

@@ -76,7 +76,8 @@ def tracking_jacobian(mechanism: Mechanism, output: PlatformOutput, places: tupl
     def drive(system: System, t: Array, row: Array) -> ForceChange:
         target = tracking_target(system.x, t, row, output)
         u = dynamics.inverse_of(system, target, unloaded, output, none).forces
-        by_state, by_target = sensitivity.inverse_sensitivity(system, target, lambda x: unloaded, output)
+        found = sensitivity.inverse_sensitivity(system, target, lambda x: unloaded, output)
+        by_state, by_target, _ = found
         return u, by_state + by_target @ target_tangent(system.x, t, row, output)
 
     return motion_jacobian(tracking(mechanism, output, places), places, drive)
