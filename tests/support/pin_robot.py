@@ -44,8 +44,9 @@ def depth_first(leg) -> list[int]:
 class PinRobot:
     """The model, where its joints are, and its 3-D contacts."""
 
-    def __init__(self, sample: Sample) -> None:
-        self.sample, self.model = sample, pin.Model()
+    def __init__(self, sample: Sample, floating: bool = False) -> None:
+        """With a floating base the legs hang on a second free flyer, which has no mass."""
+        self.sample, self.model, self.base = sample, pin.Model(), 0
         self.model.gravity.linear = np.asarray(sample.gravity, dtype=float)
         moments = sample.body.moments
         tensor = np.trace(moments.P0) * np.eye(3) - moments.P0
@@ -53,6 +54,8 @@ class PinRobot:
         self.model.appendBodyToJoint(
             self.platform, inertia(moments.m, moments.MS0, tensor), pin.SE3.Identity()
         )
+        if floating:
+            self.base = self.model.addJoint(0, pin.JointModelFreeFlyer(), pin.SE3.Identity(), "base")
         legs = [self.add_leg(number, leg) for number, leg in enumerate(sample.legs)]
         self.places = np.array([self.model.joints[j].idx_v for leg in legs for j in leg])
         armature = np.zeros(self.model.nv)
@@ -70,7 +73,7 @@ class PinRobot:
 
     def add_leg(self, number: int, leg) -> list[int]:
         """Pinocchio's numbers of the leg's joints, in the order of the leg."""
-        known = {0: 0}
+        known = {0: self.base}
         for j in depth_first(leg):
             joint = leg.joints[j - 1]
             row = screw(2, joint.gamma, joint.b) @ screw(0, joint.alpha, joint.d)
