@@ -44,6 +44,8 @@ ONE = thing(HOME, another=ANOTHER, batch=BATCH, word="state|reference|State.elas
 START = thing(HOME, batch=BATCH)
 GUESS = thing(None, none=True, another=ANOTHER, batch=BATCH, word="guess|state|State.elastic")
 MAYBE = thing(None, none=True)
+FLOOR = {"base": thing(None, none=True)}
+FLAT_FLOOR = {"base": vector(19)._replace(bad={n: v for n, v in vector(19).bad.items() if n != "None"})}
 LOAD = {"wrenches": things([pf.Wrench(0)], nowhere=[pf.Wrench(99)])}
 VALUES = other(
     {"gravity": [0, 0, -9.0]},
@@ -130,8 +132,10 @@ DOORS: dict[str, Door] = {
     ),
     "Compiled.pack": Door(FLAT.pack, {"state": ONE}),
     "Compiled.unpack": Door(FLAT.unpack, {"x": array(FLAT.pack(HOME))}),
-    "Compiled.direct": Door(FLAT.direct, {"x": vector(15), "u": vector(6), "out": vector(7)}),
-    "Compiled.inverse": Door(FLAT.inverse, {"x": vector(15), "target": vector(6), "out": vector(7)}),
+    "Compiled.direct": Door(FLAT.direct, {"x": vector(15), "u": vector(6), "out": vector(7)} | FLAT_FLOOR),
+    "Compiled.inverse": Door(
+        FLAT.inverse, {"x": vector(15), "target": vector(6), "out": vector(7)} | FLAT_FLOOR
+    ),
     "ComputedTorque": Door(
         partial(pf.ComputedTorque, trajectory=WAY),
         MODELLED
@@ -198,14 +202,15 @@ DOORS: dict[str, Door] = {
     ),
     "Model.cartesian": Door(MODEL.cartesian, {"state": STATE}),
     "Model.compiled": Door(MODEL.compiled, OUTPUT),
-    "Model.direct": Door(MODEL.direct, DRIVEN | {"parameters": VALUES}),
-    "Model.direct_jacobian": Door(MODEL.direct_jacobian, DRIVEN | {"parameters": VALUES}),
-    "Model.energies": Door(MODEL.energies, {"state": STATE}),
+    "Model.direct": Door(MODEL.direct, DRIVEN | {"parameters": VALUES} | FLOOR),
+    "Model.direct_jacobian": Door(MODEL.direct_jacobian, DRIVEN | {"parameters": VALUES} | FLOOR),
+    "Model.energies": Door(MODEL.energies, {"state": STATE} | FLOOR),
     "Model.equilibrium": Door(
         equilibrium,
         {"position": array(HOME.position, none=True), "rotation": rotation(none=True)}
         | {"forces": array(AT_HOME, none=True), "guess": GUESS}
-        | {"wrenches": DRIVEN["wrenches"], "parameters": VALUES},
+        | {"wrenches": DRIVEN["wrenches"], "parameters": VALUES}
+        | FLOOR,
     ),
     "Model.forward": Door(MODEL.forward, JOINTED, "sag"),
     "Model.forward_all": Door(
@@ -215,15 +220,16 @@ DOORS: dict[str, Door] = {
         MODEL.inverse,
         WANTED
         | {"preload": array(GAMMA, none=True), "parameters": VALUES}
-        | {"legs": LEGS_WORD, "allow_ill_posed": flag()},
+        | {"legs": LEGS_WORD, "allow_ill_posed": flag()}
+        | FLOOR,
     ),
-    "Model.inverse_jacobian": Door(MODEL.inverse_jacobian, WANTED | {"parameters": VALUES}),
-    "Model.joint_accelerations": Door(MODEL.joint_accelerations, DRIVEN),
-    "Model.joints": Door(MODEL.joints, {"state": STATE}),
+    "Model.inverse_jacobian": Door(MODEL.inverse_jacobian, WANTED | {"parameters": VALUES} | FLOOR),
+    "Model.joint_accelerations": Door(MODEL.joint_accelerations, DRIVEN | FLOOR),
+    "Model.joints": Door(MODEL.joints, {"state": STATE} | FLOOR),
     "Model.mobility": Door(MODEL.mobility, {"state": ONE}),
     "Model.output_report": Door(MODEL.output_report, {"state": ONE} | OUTPUT),
-    "Model.project": Door(MODEL.project, {"state": STATE}),
-    "Model.reactions": Door(MODEL.reactions, DRIVEN),
+    "Model.project": Door(MODEL.project, {"state": STATE} | FLOOR),
+    "Model.reactions": Door(MODEL.reactions, DRIVEN | FLOOR),
     "Model.with_parameters": Door(MODEL.with_parameters, {"values": VALUES}),
     "MoveTo": Door(
         pf.MoveTo,
