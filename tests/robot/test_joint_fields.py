@@ -11,7 +11,8 @@ import parflex as pf
 from parflex.base import kinds
 from parflex.base.check import NOT_NEGATIVE, of_type
 from parflex.files.robot_schema import robot_table
-from parflex.mechanics.chain import chain_of, stretch
+from parflex.mechanics.chain import chain_of
+from parflex.mechanics.joint_forces import stretch
 from parflex.mechanics.legs.base import joints_at
 from parflex.robot.fields import about, described, number
 

@@ -115,7 +115,11 @@ def moving(robot: pf.Robot, seed: int) -> pf.State:
     rng, home = np.random.default_rng(seed), robot.home
     model = pf.Model(robot, "numpy")
     bodies = [[j.body for j in leg.joints if j.body is not None] for leg in robot.legs]
-    soft = [np.concatenate([np.zeros(0), *(1 / body.frequencies for body in leg)]) for leg in bodies]
+    drives = [np.full(len(leg.drives), 0.02) for leg in robot.legs]
+    soft = [
+        np.concatenate([*(1 / body.frequencies for body in leg), own])
+        for leg, own in zip(bodies, drives, strict=True)
+    ]
     (elastic, *bend), (elastic_rate, *rates) = (
         [
             scale * part**power * rng.normal(size=part.shape)

@@ -10,7 +10,6 @@ from parflex.base.array import Array
 from parflex.base.errors import NotConverged
 from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives.changes import Load
-from parflex.mechanics.leg_terms import selection
 
 
 class Bend(NamedTuple):
@@ -49,7 +48,7 @@ def bends(at: Statics, H: Array) -> list[Bend]:
         for i, number in enumerate(group.legs):
             if any(group.chain.modes):
                 places = slice(first, first + z)
-                held = np.concatenate([leg.J[i], selection(group).T]) * at.scale[places]
+                held = np.concatenate([leg.J[i], group.S.T]) * at.scale[places]
                 own = null_space(held / np.linalg.norm(held, axis=-1, keepdims=True))
                 along = at.basis[places].T @ own
                 alone = own * at.scale[places][:, None]

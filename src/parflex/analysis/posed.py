@@ -1,8 +1,8 @@
 """Inverse models that mean nothing: what legs that bend make of the gains from forces to an output.
 
-Where a compliance with mass lies between motor and platform, the platform does not accelerate with the motor
-but after it, and the instantaneous gain is an accident of the chosen shapes: it alternates in sign, and tends
-to 0, with their number.
+Where a compliance lies between motor and platform, the platform does not accelerate with the motor but after
+it. Through a drive that gives the instantaneous gain is zero, and there is no inverse. Of links with mass it
+is an accident of the chosen shapes: it alternates in sign, and tends to 0, with their number.
 """
 
 import numpy as np
@@ -20,6 +20,7 @@ from parflex.mechanics.output import Output
 # stretch a rod between motor and platform leave less than nothing, or little: two of them a half at
 # most, where the motor has no mass and the rod is as heavy as its share of the platform
 LEAST = 0.5
+NONE = 1e-8  # of that gain: round-off, through a drive that gives
 
 
 def least_share(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> Array:
@@ -41,14 +42,24 @@ def well_posed(functions: Functions, output: Output, x: Array) -> bool:
     return bool(least_share(mechanism, output, *gains) >= LEAST)
 
 
-def check_posed(mechanism: Mechanism, output: Output, flexible: Array, stiff: Array) -> None:
-    """Raise InputError where legs that bend leave too little of the gains, or turn them round.
+def check_posed(
+    mechanism: Mechanism, output: Output, flexible: Array, stiff: Array, *, allowed: bool = False
+) -> None:
+    """Raise InputError where legs that bend leave too little of the gains, or turn them round, unless that is
+    allowed; and in any case where they leave nothing.
 
     flexible and stiff (…, o m) are as in `least_share`.
     """
     least = least_share(mechanism, output, flexible, stiff)
-    bad = ~(least >= LEAST)
+    bad = ~(np.abs(least) >= NONE)
     if np.any(bad):
+        raise InputError(
+            f"pose{index_of(bad)}: a compliance lies between motors and platform, which forces do not "
+            f"accelerate at once: take output=JointOutput(), the accelerations of the motors, or "
+            f'legs="static", legs that give with the load and do not swing'
+        )
+    bad = ~(least >= LEAST)
+    if np.any(bad) and not allowed:
         worst = float(np.min(least))
         raise InputError(
             f"pose{index_of(bad)}: the legs bend between motors and platform, and what forces give at once "

@@ -66,9 +66,10 @@ def firmness(mechanism: Mechanism) -> Array:
 
 
 def link_stiffness(group: LegGroup) -> Array:
-    """(L, z), the stiffness of the links of each leg of a group, zero for its joints."""
+    """(L, z), the stiffness of the links and drives of each leg of a group, zero for its joints."""
     links = [np.asarray(link.stiffness) for link in group.chain.links if link is not None]
-    return join([np.zeros((len(group.legs), group.chain.n)), *links])
+    drives = group.chain.drive_stiffness[:, list(group.chain.drives)]
+    return join([np.zeros((len(group.legs), group.chain.n)), *links, drives])
 
 
 def stiffness(at: Statics, forces: Array, load: Load) -> Array:

@@ -48,14 +48,22 @@ def state(mechanism: Mechanism) -> Rows:
             at, joints, f"joints of leg {number}: {units}", f"their rates, joints of leg {number}"
         )
         bodies = ", ".join(f"{count} of link {j}" for j, count in enumerate(leg.modes, start=1) if count)
+        bent = slice(elastic.start, elastic.start + sum(leg.modes))
         rows += carried(
             at,
-            elastic,
+            bent,
             f"modal coordinates of leg {number}, kg^1/2 m: {bodies}",
             f"their rates, modal coordinates of leg {number}, kg^1/2 m/s",
         )
-    for i, bent in enumerate(mechanism.layout.branched):
-        rows.append((f"x[{at['BRANCHES'][0] + i}]", f"assembly branch of leg {bent + 1}, +1 or -1"))
+        units = ", ".join(f"joint {j + 1}, {unit(leg.joints[j], 'rad', 'm')}" for j in leg.drives)
+        rows += carried(
+            at,
+            slice(bent.stop, elastic.stop),
+            f"deflections of drives of leg {number}, link less motor: {units}",
+            f"their rates, drives of leg {number}",
+        )
+    for i, number in enumerate(mechanism.layout.branched):
+        rows.append((f"x[{at['BRANCHES'][0] + i}]", f"assembly branch of leg {number + 1}, +1 or -1"))
     return [row for row in rows if row[0]]
 
 

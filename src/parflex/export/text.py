@@ -55,13 +55,15 @@ def general(export: Export) -> dict[str, str]:
     """The words of all templates: counts, names and versions."""
     robot, modes = export.mechanism.robot, export.mechanism.platform.modes
     platform = f"a platform with {modes} elastic modes" if modes else "a rigid platform"
-    of_legs = sum(export.mechanism.layout.elastic)
+    of_legs = sum(sum(leg.modes) for leg in robot.legs)
+    drives = sum(len(leg.drives) for leg in robot.legs)
+    freedom = platform + (f", and {of_legs} modes of the legs" if of_legs else "")
     return {
         "prefix": export.prefix,
         "PREFIX": export.prefix.upper(),
         "legs": str(len(robot.legs)),
         "forces": str(robot.n_forces),
-        "freedom": platform + (f", and {of_legs} modes of the legs" if of_legs else ""),
+        "freedom": freedom + (f", and {drives} drives that give" if drives else ""),
         "version": __version__,
         "casadi": casadi.__version__,
         "numpy": np.__version__,

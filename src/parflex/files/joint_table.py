@@ -99,14 +99,14 @@ def joint_entries(joint: Joint, before: int) -> dict[str, Any]:
 def numbers(joint: Any) -> list[tuple[str, str, str]]:
     """The numbers of a kind of joint, plain ones first: name, name in files, and the default as text."""
     columns = sorted(
-        in_files(joint).items(), key=lambda item: item[1].shape != () or np.isinf(item[1].default)
+        in_files(joint).items(), key=lambda item: item[1].shape != () or item[1].default in (np.inf, -np.inf)
     )
     return [(name, column.file, repr(written(column.default))) for name, column in columns]
 
 
 def written(value: Any) -> Any:
     """Numbers as TOML has them; of a matrix that is symmetric to the bit XX, YY, ZZ, XY, XZ, YZ alone."""
-    if isinstance(value, float):
+    if value is None or isinstance(value, float):
         return value
     matrix = np.asarray(value, dtype=float)
     if matrix.ndim == 2 and repr(matrix.tolist()) == repr(matrix.T.tolist()):

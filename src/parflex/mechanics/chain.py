@@ -2,7 +2,8 @@
 
 A `Chain` holds the tables of L legs of equal structure, so that one pass treats them all:
 arrays are (…, L, …) and the structure (antecedents, joint types, seats) is shared. The coordinates of a
-leg are z = (q, e): its joints, then the elastic coordinates of its flexible links, link by link.
+leg are z = (q, e, δ): its joints, then the elastic coordinates of its flexible links, link by link, then the
+deflections of drives that give, joint by joint.
 
 Source: Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3, 5 and 9.
 """
@@ -10,7 +11,7 @@ Source: Khalil and Dombre, Modeling, Identification and Control of Robots, ch. 3
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -42,6 +43,7 @@ class Chain:
     tables: Mapping[str, Array]
     links: tuple[Link | None, ...]
     seats: tuple[int, ...]
+    drives: tuple[int, ...]  # the joints whose motors drive through a compliance
 
     def __getattr__(self, name: str) -> Array:
         """The table of that name."""
@@ -73,7 +75,7 @@ class Chain:
     @cached_property
     def size(self) -> int:
         """The number of coordinates z of one tree."""
-        return self.n + sum(self.modes)
+        return self.n + sum(self.modes) + len(self.drives)
 
     @cached_property
     def elastic(self) -> list[slice]:
@@ -91,13 +93,19 @@ def chain_of(leg: Leg) -> Chain:
     for kind in (Joint, *map(type, leg.joints)):
         columns |= {name: column for name, column in described(kind).items() if column.table}
     tables = {
-        name: np.array([getattr(joint, name, column.default) for joint in leg.joints], dtype=float)
+        name: np.array([entry(joint, name, column) for joint in leg.joints], dtype=float)
         for name, column in columns.items()
     }
     tables = {name: table.reshape(1, -1, *columns[name].shape) for name, table in tables.items()}
     links = tuple(None if joint.body is None else link_of(joint.body) for joint in leg.joints)
     structure = tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints)
-    return Chain(*structure, columns, tables, links, leg.seats.joints)
+    return Chain(*structure, columns, tables, links, leg.seats.joints, leg.drives)
+
+
+def entry(joint: Joint, name: str, column: Column) -> Any:
+    """The entry of a joint in a table: its field, by default where it has none; zero of what is absent."""
+    value = getattr(joint, name, column.default)
+    return 0.0 if value is None else value
 
 
 def joined(chains: Sequence[Chain]) -> Chain:
@@ -114,7 +122,7 @@ class Joints(NamedTuple):
     cos: Array  # (…, L, n); 1 for a prismatic joint
     sin: Array  # (…, L, n); 0 for a prismatic joint
     length: Array  # (…, L, n); 0 for a revolute joint
-    bend: Array = np.zeros(0)  # (…, L, ΣN), the elastic coordinates of the links
+    bend: Array = np.zeros(0)  # (…, L, ΣN + d), the elastic coordinates of the links and the d drives
 
 
 class Frames(NamedTuple):
@@ -211,7 +219,7 @@ def tip_rotation(frame: Frames, point: Point) -> Array:
 
 
 def tip_jacobian(chain: Chain, frame: Frames, point: Point) -> Array:
-    """J (…, L, 3, n + ΣN) with v = J ż for a point of a link, in base axes."""
+    """J (…, L, 3, z) with v = J ż for a point of a link, in base axes."""
     p_0t = tip_position(frame, point)
     on_path = chain.path(point.link)
     columns = []
@@ -226,18 +234,18 @@ def tip_jacobian(chain: Chain, frame: Frames, point: Point) -> Array:
         R, here = frame.R_0j[a], frame.p_0j[a] + mv(frame.R_0j[a], seat.place)
         moved = R @ seat.shift
         columns.append(moved if a == point.link else moved - skew(p_0t - here) @ (R @ seat.tilt))
-    return block([[np.zeros((3, 0)), *columns]])
+    return block([[*columns, np.zeros((3, len(chain.drives)))]])
 
 
 def turning_jacobian(chain: Chain, frame: Frames, point: Point) -> Array:
-    """(…, L, 3, n + ΣN) with ω = J_r ż for the section at a point of a link, in base axes."""
+    """(…, L, 3, z) with ω = J_r ż for the section at a point of a link, in base axes."""
     on_path = chain.path(point.link)
     columns = [
         ((1 - chain.sigma[k]) * (k in on_path) * frame.R_0j[k][..., :, 2])[..., None] for k in range(chain.n)
     ]
     for a, seat in seats_towards(chain, frame, point):
         columns.append(np.zeros((3, chain.modes[a])) if seat is None else frame.R_0j[a] @ seat.tilt)
-    return block([[np.zeros((3, 0)), *columns]])
+    return block([[*columns, np.zeros((3, len(chain.drives)))]])
 
 
 def seats_towards(chain: Chain, frame: Frames, point: Point) -> list[tuple[int, Seat | None]]:
@@ -251,11 +259,6 @@ def seats_towards(chain: Chain, frame: Frames, point: Point) -> list[tuple[int, 
         elif modes:
             found.append((a, frame.seats[next_joint[a]] if a in next_joint else None))
     return found
-
-
-def stretch(chain: Chain, joints: Joints) -> Array:
-    """q − q_0 (…, L, n) of the springs: for revolute joints the angle in (−π, π]."""
-    return stack([joint_position(chain, joints, j, chain.q_0[..., j]) for j in range(chain.n)])
 
 
 def joint_position(chain: Chain, joints: Joints, j: int, reference: Array) -> Array:

@@ -141,8 +141,9 @@ def gaps(system: System, rate: bool = False) -> Array:
 
 
 def actuated_rows(mechanism: Mechanism) -> Array:
-    """(m, 6 + N + z), taking a displacement to that of the actuated joints, in the order of Γ."""
-    joints = np.eye(len(mechanism.driven))[mechanism.driven][mechanism.force_order]
+    """(m, 6 + N + z), taking a displacement to that of the motors, in the order of Γ."""
+    S = [block_diagonal(np.tile(group.S.T, (len(group.legs), 1, 1))) for group in mechanism.groups]
+    joints = diagonal(S)[mechanism.force_order]
     return np.hstack([np.zeros((len(joints), 6 + mechanism.platform.modes)), joints])
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array, block_diagonal, join, merged, mtv, mv, transpose
 from parflex.base.unroll import factored, factored_solve, solve_definite
-from parflex.mechanics.leg_terms import LegTerms, leg_response, selection
+from parflex.mechanics.leg_terms import LegTerms, leg_response
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
@@ -105,7 +105,7 @@ def legs_at_tips(system: System) -> LegContacts:
 
 def leg_contacts(leg: LegTerms) -> LegContacts:
     """The legs of a group seen from their tips."""
-    S, (contacts, n) = selection(leg.group), leg.J.shape[-2:]
+    S, (contacts, n) = leg.group.S, leg.J.shape[-2:]
 
     def solved(group: LegGroup, A: Array, J: Array, c: Array, Jdqd: Array) -> LegContacts:
         A, J = A.reshape(A.shape[:-1] + (n, n)), J.reshape(J.shape[:-1] + (contacts, n))

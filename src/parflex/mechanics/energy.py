@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
-from parflex.mechanics import chain, flexures, recursion
+from parflex.mechanics import chain, flexures, joint_forces
 from parflex.mechanics.floor import Base, ground, twist_of_legs
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.platform import body_energies
@@ -16,7 +16,8 @@ class Energies(NamedTuple):
     """Energies of a robot, J, (…,) each.
 
     kinetic counts the rotors in, gravity is zero at the world's origin, strain is that of the platform and
-    of flexible links, and springs that of the springs at joints and of the flexures at tips.
+    of flexible links, and springs that of the springs at joints, of drives that give, and of the flexures at
+    tips.
     """
 
     kinetic: Array
@@ -26,12 +27,12 @@ class Energies(NamedTuple):
 
 
 def dissipation(system: System) -> Array:
-    """The power (…,) W that damping and friction take: of the platform, of joints, links and flexures."""
+    """The power (…,) W that damping and friction take: of platform, joints, drives, links and flexures."""
     x = system.x
     lost = dot(x.elastic_rate, system.mechanism.platform.damping * x.elastic_rate)
     for leg in system.legs:
         group, c = leg.group, leg.group.chain
-        lost = lost + np.sum(recursion.friction_power(c, leg.qd), axis=-1)
+        lost = lost + np.sum(joint_forces.power_lost(c, leg.zd), axis=-1)
         for j, link in enumerate(c.links):
             if link is not None:
                 ed = chain.bend_of(c, leg.zd[..., c.n :], j)
@@ -48,7 +49,8 @@ def rests_power(system: System) -> Array:
     for leg in system.legs:
         c = leg.group.chain
         if chain.REST_RATE in c.tables:
-            pull = c.k * chain.stretch(c, leg.joints) + c.Fv * (leg.qd - c.rest_rate)
+            rate = joint_forces.motor_rates(c, leg.zd) - c.rest_rate
+            pull = c.k * joint_forces.stretch(c, leg.joints) + c.Fv * rate
             given = given - np.sum(pull * c.rest_rate, axis=(-2, -1))
     return given
 
@@ -71,8 +73,7 @@ def energies(system: System) -> Energies:
         if base is not None:
             kinetic = kinetic + carried_energy(base, leg)
             weight = weight - np.sum(mass) * dot(gravity, base.position)
-        stretch = chain.stretch(group.chain, leg.joints)
-        springs = springs + 0.5 * np.sum(group.chain.k * stretch * stretch, axis=(-2, -1))
+        springs = springs + np.sum(joint_forces.spring_energy(group.chain, leg.joints), axis=-1)
         for j, link in enumerate(group.chain.links):
             if link is not None:
                 e = chain.bend_of(group.chain, leg.joints.bend, j)

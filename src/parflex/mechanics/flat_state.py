@@ -97,8 +97,8 @@ def check_joints(robot: Robot, state: State) -> None:
     for name, counts, what in (
         ("joints", [len(leg.joints) for leg in robot.legs], "joints"),
         ("joint_rates", [len(leg.joints) for leg in robot.legs], "joints"),
-        ("leg_elastic", [sum(leg.modes) for leg in robot.legs], "elastic coordinates"),
-        ("leg_elastic_rate", [sum(leg.modes) for leg in robot.legs], "elastic coordinates"),
+        ("leg_elastic", [leg.bends for leg in robot.legs], "elastic coordinates"),
+        ("leg_elastic_rate", [leg.bends for leg in robot.legs], "elastic coordinates"),
     ):
         values = getattr(state, name)
         if values is not None and len(values) != len(counts):

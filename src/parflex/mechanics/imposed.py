@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from parflex.base.array import Array, merged, mtv, mv, transpose
+from parflex.base.array import Array, join, merged, mtv, mv, transpose
 from parflex.base.unroll import solve_definite
 from parflex.mechanics.kinematics import unstacked
 from parflex.mechanics.leg_terms import LegTerms
@@ -10,15 +10,19 @@ from parflex.mechanics.system import System, by_group
 
 
 def imposed_accelerations(system: System, platform: Array, elastic: Array) -> list[Array]:
-    """q̈ (…, L, n) of each group at V̇_p (…, 6) and q̈_e (…, N): J q̈ = Wᵀ (V̇_p, q̈_e) + h − J̇ż.
+    """z̈ (…, L, z) of each group at V̇_p (…, 6) and q̈_e (…, N): J q̈ = Wᵀ (V̇_p, q̈_e) + h − J̇ż.
 
-    Flexible links do not accelerate in their bend. Legs with fewer joints than their tips have coordinates
+    Links and drives do not accelerate in their bend. Legs with fewer joints than their tips have coordinates
     need an acceleration that the closure allows; joints that the state carries follow in the sense of least
     squares, and are no more than the coordinates.
     """
     moved = mtv(system.W_p, platform) + mtv(system.W_e, elastic) + merged(system.points.h)  # Eqs. 22, 38
     tips = by_group(system.mechanism, unstacked(moved))
-    return [followed(leg, merged(tip) - leg.Jdqd) for leg, tip in zip(system.legs, tips, strict=True)]
+    found = [followed(leg, merged(tip) - leg.Jdqd) for leg, tip in zip(system.legs, tips, strict=True)]
+    return [
+        join([qdd, np.zeros(leg.group.chain.size - leg.group.chain.n)])
+        for leg, qdd in zip(system.legs, found, strict=True)
+    ]
 
 
 def followed(leg: LegTerms, rest: Array) -> Array:

@@ -11,10 +11,11 @@ E_Z = np.array([0.0, 0.0, 1.0])
 
 
 def inertia_matrix(chain: Chain, frame: Frames) -> Array:
-    """A (…, L, n + ΣN, n + ΣN) by composite links: each joint moves all that hangs on it as one body, and
-    each shape what hangs on the seats of its link."""
+    """A (…, L, z, z) by composite links: each joint moves all that hangs on it as one body, and each shape
+    what hangs on the seats of its link; the drives that give let the rotors move by themselves."""
     n, flexible = chain.n, [j for j, link in enumerate(chain.links) if link is not None]
     row_of = {j: n + i for i, j in enumerate(flexible)}
+    drive_of = {j: n + len(flexible) + i for i, j in enumerate(chain.drives)}
     M = [mass(chain, j) for j in range(n)]
     MS = [first_moment(chain, frame, j) for j in range(n)]
     bodies = [chain.I[:, j] if body is None else body.inertia for j, body in enumerate(frame.bodies)]
@@ -47,7 +48,11 @@ def inertia_matrix(chain: Chain, frame: Frames) -> Array:
             entry[row_of[j], row_of[j]] = own
             climb(row_of[j], j, (shapes, turns))
         climb(j, j, (force[..., None], moment[..., None]))
-        entry[j, j] = entry[j, j] + chain.IA[:, j, None, None]
+        rotor = chain.IA[:, j, None, None]
+        entry[j, j] = entry[j, j] + rotor
+        if j in drive_of:
+            entry[j, drive_of[j]] = entry[drive_of[j], j] = -rotor
+            entry[drive_of[j], drive_of[j]] = rotor
         a, seat = chain.antecedent[j], frame.seats[j]
         if a < 0:
             continue
@@ -60,7 +65,7 @@ def inertia_matrix(chain: Chain, frame: Frames) -> Array:
             moment = skew(MS_a) @ shift + I_a @ tilt
             own = own + transpose(shift) @ force + transpose(tilt) @ moment
             modal[a] = (shapes + force, turns + moment), own
-    widths = [1] * n + [chain.modes[j] for j in flexible]
+    widths = [1] * n + [chain.modes[j] for j in flexible] + [1] * len(chain.drives)
     rows = range(len(widths))
     every = [[entry.get((i, k), np.zeros((widths[i], widths[k]))) for k in rows] for i in rows]
     return block(every) if every else np.zeros((0, 0))

@@ -1,4 +1,4 @@
-"""The terms of the legs at a state: inertia, forces and Jacobians in their coordinates z = (q, e)."""
+"""The terms of the legs at a state: inertia, forces and Jacobians in their coordinates z = (q, e, δ)."""
 
 from collections.abc import Sequence
 from typing import Any, NamedTuple
@@ -7,7 +7,7 @@ import numpy as np
 
 from parflex.base.array import Array, join, merged, mtv, mv, split, stack, transpose
 from parflex.base.unroll import solve_definite
-from parflex.mechanics import chain, recursion
+from parflex.mechanics import chain, joint_forces, recursion
 from parflex.mechanics.chain import Frames, Point
 from parflex.mechanics.flexures import bent_angle, from_rest, moments, openness, relative_spin
 from parflex.mechanics.floor import under_legs
@@ -20,8 +20,8 @@ EMPTY: Any = ()  # a tree without arrays
 
 
 class LegTerms(NamedTuple):
-    """The model of the L legs of a group in their coordinates z = (q, e), joints and elastic coordinates:
-    A z̈ + c = S Γ − Jᵀ f; J, J̇ż and gaps resolved in Σp."""
+    """The model of the L legs of a group in their coordinates z = (q, e, δ), joints, elastic coordinates
+    and deflections of drives: A z̈ + c = S Γ − Jᵀ f; J, J̇ż and gaps resolved in Σp."""
 
     group: LegGroup
     joints: chain.Joints
@@ -102,7 +102,7 @@ def terms_of(
     Jdqd, gap = tips_of(group, frames, motions, tips, zd, floor.gravity, R_pi, place)
     J_p = np.concatenate([R_pi @ part for part in J], axis=-2)
     A = np.broadcast_to(inertia_matrix(c, frames), (*legs, c.size, c.size))
-    bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + recursion.passive(c, joints, zd)
+    bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + joint_forces.passive(c, joints, zd)
     of_flexures = [*[place[..., :0, :]] * 3, place[..., :0, 0]]
     if group.flexures is not None:
         pull, *of_flexures = flexed(group, frames, tips, zd, R_ip, section)
@@ -133,7 +133,7 @@ def rates_of(
     J are the Jacobians (…, L, 3, z) of the tips in Σ0i.
     """
     n, ed = group.chain.n, group.bend(sd)
-    if ed.shape[-1] and not group.type.carries:
+    if any(group.chain.modes) and not group.type.carries:
         velocity = velocity - stack([mv(part[..., n:], ed) for part in J], axis=-2)
     qd = group.type.rates(group, frames, joints, place, velocity, sd)
     return join([qd, ed]) if ed.shape[-1] else qd
@@ -188,9 +188,17 @@ def leg_response(group: LegGroup, A: Array, pulls: Array) -> Array:
     return found[..., np.argsort(order), :]
 
 
-def selection(group: LegGroup) -> Array:
-    """S (z, actuated): Γ_i = [0 0 Γ_3i]ᵀ for a leg that drives its third joint."""
-    return np.eye(group.chain.size)[:, list(group.actuated)]  # Eq. 8
+def of_motors(group: LegGroup, z: Array) -> Array:
+    """Sᵀ z (…, L, actuated): rates or accelerations of the motors, from those of all coordinates."""
+    c = group.chain
+    return joint_forces.at_motors(c, z[..., : c.n], z[..., c.n :])[..., list(group.actuated)]
+
+
+def motor_positions(leg: LegTerms) -> Array:
+    """θ (…, L, actuated) of the motors: q of the joint, an angle in (−π, π], less what the drive gives."""
+    c, bend = leg.group.chain, leg.joints.bend
+    found = [joint_forces.at_motor(c, j, joint_position(leg, j), bend) for j in leg.group.actuated]
+    return stack(found) if found else leg.qd[..., :0]
 
 
 def joint_position(leg: LegTerms, j: int) -> Array:

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.chain import chain_of, joined
+from parflex.mechanics.chain import Chain, chain_of, joined
 from parflex.mechanics.flexures import Flexures, flexures_of
 from parflex.mechanics.floor import Base
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
@@ -194,24 +194,20 @@ class Mechanism:
 
     @cached_property
     def roots(self) -> Array:
-        """√m (kg^½) of the link to each elastic one of the coordinates z of all legs; 0 of joints."""
-        legs = [self.robot.legs[n] for n in self.legs]
-        found = [
-            [0.0] * len(leg.joints)
-            + [
-                np.sqrt(j.body.moments.m)
-                for j in leg.joints
-                if j.body is not None
-                for _ in range(j.body.modes)
-            ]
-            for leg in legs
-        ]
-        return np.array([each for leg in found for each in leg])
+        """√m (kg^½) of the link to each elastic one of the coordinates z of all legs; 0 of joints. Of drives
+        it is 1 for sliding ones, and 1/m, by the platform's size, for those that turn."""
+        found: list[float] = []
+        for leg in (self.robot.legs[n] for n in self.legs):
+            found += [0.0] * len(leg.joints)
+            for body in (joint.body for joint in leg.joints if joint.body is not None):
+                found += [np.sqrt(body.moments.m)] * body.modes
+            found += [1.0 if leg.joints[j].sigma else 1.0 / self.size for j in leg.drives]
+        return np.array(found)
 
     def _of_joints(self, flag: str) -> Array:
         """A flag of the joints, False of elastic coordinates, group by group."""
         legs = [self.robot.legs[n] for n in self.legs]
-        flags = [[bool(getattr(j, flag)) for j in leg.joints] + [False] * sum(leg.modes) for leg in legs]
+        flags = [[bool(getattr(j, flag)) for j in leg.joints] + [False] * leg.bends for leg in legs]
         return np.array([each for leg in flags for each in leg], dtype=bool)
 
 
@@ -238,13 +234,13 @@ def mechanism_of(robot: Robot, leg_types: Sequence[LegType] = ALL_LEG_TYPES) -> 
 
 def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
     """A group of one leg, of the first type that knows it; its entries in Γ, q and the branches from 0."""
-    n = len(leg.joints)
+    n, chain = len(leg.joints), chain_of(leg)
     actuated = tuple(j for j, joint in enumerate(leg.joints) if joint.mu)
     none = np.zeros((1, 0), dtype=int)
     bare = LegGroup(
         type=leg_types[-1],
         legs=(number,),
-        chain=chain_of(leg),
+        chain=chain,
         rotation=np.asarray(leg.rotation)[None],
         origin=np.asarray(leg.origin)[None],
         tip_frames=tuple(tip.frame - 1 for tip in leg.tips),
@@ -252,6 +248,7 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
         offsets=np.array([[tip.offset for tip in leg.tips]]),
         attachments=np.array([[tip.attachment for tip in leg.tips]]),
         actuated=actuated,
+        S=selection(chain, actuated),
         forces=np.arange(len(actuated))[None],
         posture=np.zeros((1, n)) if leg.posture is None else np.asarray(leg.posture)[None],
         branch=np.ones(1),
@@ -275,12 +272,23 @@ def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
     raise AssertionError("the last leg type takes every leg")
 
 
+def selection(chain: Chain, actuated: Sequence[int]) -> Array:
+    """S (z, actuated): Γ_i = [0 0 Γ_3i]ᵀ for a leg that drives its third joint; a drive that gives takes the
+    force of its motor with the opposite sign."""
+    S = np.eye(chain.size)[:, list(actuated)]  # Eq. 8
+    drives = chain.size - len(chain.drives)
+    for place, j in enumerate(chain.drives):
+        S[drives + place, list(actuated).index(j)] = -1.0
+    return S
+
+
 def side_by_side(groups: list[LegGroup]) -> LegGroup:
     """Groups of one type and equal structure as one."""
     first = groups[0]
     if len(groups) == 1:
         return first
-    arrays = [name for name, value in first._asdict().items() if isinstance(value, np.ndarray)]
+    tables = {name: value for name, value in first._asdict().items() if name != "S"}
+    arrays = [name for name, value in tables.items() if isinstance(value, np.ndarray)]
     together = {name: np.concatenate([getattr(group, name) for group in groups]) for name in arrays}
     chain = joined([group.chain for group in groups])
     legs = tuple(number for group in groups for number in group.legs)

@@ -13,7 +13,7 @@ from parflex.base.errors import InputError
 from parflex.mechanics.closure import actuated_rows
 from parflex.mechanics.contact import Contact
 from parflex.mechanics.kinematics import PointMotion, node_wrench_map, point_motion
-from parflex.mechanics.leg_terms import leg_response, selection
+from parflex.mechanics.leg_terms import leg_response
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, actuated, diagonal, leg_accelerations
 from parflex.robot.body import FlexibleBody
@@ -188,8 +188,9 @@ class PointOutput(PlatformOutput):
 class JointOutput(Output):
     """Accelerations q̈_a of the actuated joints, m/s² or rad/s², in the order of the forces.
 
-    rows (o,) names some of them, by default all: q̈_a = Sᵀ A⁻¹ (S Γ − c − Jᵀ f). Motor and output are in one
-    place, so that ∂q̈_a/∂Γ is symmetric and not negative, however legs and platform bend.
+    Where a drive gives they are those of the motor, q̈ − δ̈. rows (o,) names some of them, by default all:
+    q̈_a = Sᵀ A⁻¹ (S Γ − c − Jᵀ f). Motor and output are in one place, so that ∂q̈_a/∂Γ is symmetric and not
+    negative, however legs and platform bend.
 
     Raises InputError where a row is named twice, or is none of the robot's actuated joints.
     """
@@ -238,8 +239,8 @@ def driven_mobility(system: System) -> Array:
     """Sᵀ A⁻¹ S (…, m, m): how the motors move their joints where the platform gives no forces."""
     parts = []
     for leg in system.legs:
-        S, z = selection(leg.group), leg.A.shape[:-1]
+        S, z = leg.group.S, leg.A.shape[:-1]
         found = leg_response(leg.group, leg.A, np.broadcast_to(S, (*z, S.shape[-1])))
-        parts.append(block_diagonal(found[..., list(leg.group.actuated), :]))
+        parts.append(block_diagonal(S.T @ found))
     order = system.mechanism.force_order
     return diagonal(parts)[..., order, :][..., order]

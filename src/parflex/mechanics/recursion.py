@@ -4,9 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, cross, dot, join, mtv, mv, stack
-from parflex.mechanics.chain import REST_RATE, Chain, Frames, Joints, Point, bend_of, stretch
-from parflex.mechanics.link import Seat, body_wrench, drift_of, pushed, strain
+from parflex.base.array import Array, cross, join, mtv, mv, stack
+from parflex.mechanics.chain import Chain, Frames, Point, bend_of
+from parflex.mechanics.joint_forces import at_motors
+from parflex.mechanics.link import Seat, body_wrench, drift_of, pushed
 
 E_Z = np.array([0.0, 0.0, 1.0])
 
@@ -121,43 +122,12 @@ def reactions(
 def inverse_dynamics(
     chain: Chain, frame: Frames, motions: list[Motion], zd: Array, zdd: Array, tips: Reaction | None = None
 ) -> Array:
-    """Generalised forces (…, L, n + ΣN) = A z̈ + c (+ Jᵀ f) of the trees, without what is `passive`."""
+    """Generalised forces (…, L, z) = A z̈ + c (+ Jᵀ f) of the trees, without what is
+    `joint_forces.passive`."""
     found = reactions(chain, frame, motions, zd, zdd, unloaded(chain) if tips is None else tips)
-    torque = []
+    torque, rotors = [], chain.IA * at_motors(chain, zdd[..., : chain.n], zdd[..., chain.n :])
     for j, slides in enumerate(chain.sigma):
         axial = slides * found.force[j][..., 2] + (1 - slides) * found.moment[j][..., 2]
-        torque.append(axial + chain.IA[:, j] * zdd[..., j])
-    return join([stack(torque), *(found.modal[j] for j, modes in enumerate(chain.modes) if modes)])
-
-
-def passive(chain: Chain, joints: Joints, zd: Array) -> Array:
-    """(…, L, n + ΣN): friction and springs of the joints, stiffness and damping of the links."""
-    qd = zd[..., : chain.n]
-    in_joints = resistance(chain, qd) + chain.k * stretch(chain, joints)
-    strained = [
-        strain(link, bend_of(chain, joints.bend, j), bend_of(chain, zd[..., chain.n :], j))
-        for j, link in enumerate(chain.links)
-        if link is not None
-    ]
-    return join([in_joints, *strained]) if strained else in_joints
-
-
-def friction(chain: Chain, qd: Array) -> Array:
-    """Viscous and smoothed Coulomb friction (…, L, n), against the motion."""
-    return chain.Fv * qd + chain.Fs * qd / np.sqrt(qd * qd + chain.v_s * chain.v_s)
-
-
-def resistance(chain: Chain, qd: Array) -> Array:
-    """Friction (…, L, n), its viscous part against the rate at which joints leave the rests of their springs
-    where these move."""
-    found = friction(chain, qd)
-    return found - chain.Fv * chain.rest_rate if REST_RATE in chain.tables else found
-
-
-def friction_power(chain: Chain, qd: Array) -> Array:
-    """The power (…, L) that friction takes: of its viscous part Fv (q̇ − ṙ)² where rests move."""
-    lost = dot(qd, friction(chain, qd))
-    if REST_RATE not in chain.tables:
-        return lost
-    rate = chain.rest_rate
-    return lost - dot(chain.Fv * rate, 2.0 * qd - rate)
+        torque.append(axial + rotors[..., j])
+    modal = [found.modal[j] for j, modes in enumerate(chain.modes) if modes]
+    return join([stack(torque), *modal, *(-rotors[..., j, None] for j in chain.drives)])

@@ -1,4 +1,5 @@
-"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has."""
+"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has, and
+motors move with what they drive."""
 
 from dataclasses import replace
 
@@ -20,10 +21,11 @@ def stiffened(system: System) -> System:
 
 
 def stiffened_leg(leg: LegTerms) -> LegTerms:
-    """The leg with A = [A_qq 0; 0 1], c = (c_q, 0), J = [J_q 0]."""
+    """The leg with A = [A_qq 0; 0 1], c = (c_q, 0), J = [J_q 0], S = (S_q, 0)."""
     joints = of_joints(leg)
+    group = leg.group._replace(S=joints[:, None] * leg.group.S)
     A = joints[:, None] * leg.A * joints + np.diag(1.0 - joints)
-    return leg._replace(A=A, c=leg.c * joints, J=leg.J * joints)
+    return leg._replace(group=group, A=A, c=leg.c * joints, J=leg.J * joints)
 
 
 def of_joints(leg: LegTerms) -> Array:
@@ -32,8 +34,8 @@ def of_joints(leg: LegTerms) -> Array:
 
 
 def unbalanced(system: System, forces: Array, f: Array) -> Array:
-    """The excess of the links' bend over that which balances: K⁻¹ (A_eq q̈ + c_e + J_eᵀ f), under Γ (…, m)
-    and contact forces (…, 3k) of the stiffened system.
+    """The excess of the legs' bend over that which balances: K⁻¹ (A_eq q̈ + c_e + J_eᵀ f − S_e Γ), under
+    Γ (…, m) and contact forces (…, 3k) of the stiffened system.
 
     It is in the order of the coordinates that the state carries, and zero for joints; for shapes without
     stiffness it is the force itself.
@@ -41,16 +43,17 @@ def unbalanced(system: System, forces: Array, f: Array) -> Array:
     found = []
     moved = zip(leg_accelerations(stiffened(system), forces, f), leg_pulls(system, f), strict=True)
     for leg, (zdd, pull) in zip(system.legs, moved, strict=True):
-        rest = mv(leg.A, zdd) + leg.c + pull
+        driving = mv(leg.group.S, forces[..., leg.group.forces])
+        rest = mv(leg.A, zdd) + leg.c + pull - driving
         found.append(rest * (1.0 - of_joints(leg)) / yielding(leg, system.mechanism.robot))
     return in_carried_order(system, found)
 
 
 def yielding(leg: LegTerms, robot: Robot) -> Array:
-    """The stiffness (L, z) of the links' shapes; 1 where there is none, and of joints."""
+    """The stiffness (L, z) of the links' shapes and of drives; 1 where there is none, and of joints."""
     group, parts = leg.group, [np.ones((len(leg.group.legs), leg.group.chain.n))]
     for j, link in enumerate(group.chain.links):
         if link is not None:
             bodies = [robot.legs[number].joints[j].body for number in group.legs]
             parts.append(link.stiffness + [body.stiffness == 0 for body in bodies if body is not None])
-    return join(parts)
+    return join([*parts, group.chain.drive_stiffness[:, list(group.chain.drives)]])

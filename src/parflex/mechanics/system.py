@@ -21,7 +21,13 @@ from parflex.base.unroll import solve_least_norm
 from parflex.mechanics import floor, kinematics, recursion
 from parflex.mechanics.flexures import Sections, sections, unturned
 from parflex.mechanics.kinematics import PointMotion
-from parflex.mechanics.leg_terms import LegTerms, joint_position, leg_response, leg_terms, selection
+from parflex.mechanics.leg_terms import (
+    LegTerms,
+    leg_response,
+    leg_terms,
+    motor_positions,
+    of_motors,
+)
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.platform import PlatformTerms, platform_terms
 from parflex.robot.layout import Coordinates, coordinates
@@ -113,7 +119,7 @@ def actuated_axes(system: System) -> Array:
     parts = []
     for leg in system.legs:
         rows = transpose(leg.J)
-        unit = selection(leg.group).T
+        unit = leg.group.S.T
         axes = [solve_least_norm(rows, np.broadcast_to(u, rows.shape[:-1])) for u in unit]
         parts.append(block_diagonal(stack(axes) if axes else leg.J[..., :0]))
     return diagonal(parts)[..., system.mechanism.force_order]
@@ -143,24 +149,21 @@ def health(system: System) -> Array:
 
 
 def joint_rates(system: System) -> Array:
-    """q̇_a (…, m) of the actuated joints, in the order of Γ."""
-    return actuated(system, [leg.qd for leg in system.legs])
+    """θ̇ (…, m) of the motors, in the order of Γ: q̇ of the actuated joints where no drive gives."""
+    return actuated(system, [leg.zd for leg in system.legs])
 
 
 def actuated(system: System, joints: list[Array]) -> Array:
-    """The actuated ones (…, m), in the order of Γ, of all coordinates (…, L, z) by group."""
+    """Sᵀ z (…, m), what the motors have in the order of Γ, of all coordinates (…, L, z) by group."""
     pairs = zip(system.legs, joints, strict=True)
-    flat = [merged(each[..., list(leg.group.actuated)]) for leg, each in pairs]
+    flat = [merged(of_motors(leg.group, each)) for leg, each in pairs]
     return join([np.zeros(0), *flat])[..., system.mechanism.force_order]
 
 
 def actuated_positions(system: System) -> Array:
-    """q_a (…, m): lengths and angles (−π, π] of the actuated joints, in the order of Γ."""
-    parts = []
-    for leg in system.legs:
-        q = [joint_position(leg, j) for j in leg.group.actuated]
-        by_leg = stack(q) if q else leg.qd[..., :0]
-        parts.append(merged(by_leg))
+    """θ (…, m): lengths and angles of the motors, in the order of Γ; q of the actuated joints, angles in
+    (−π, π], where no drive gives."""
+    parts = [merged(motor_positions(leg)) for leg in system.legs]
     return join([np.zeros(0), *parts])[..., system.mechanism.force_order]
 
 
@@ -168,7 +171,7 @@ def leg_accelerations(system: System, forces: Array, f: Array) -> list[Array]:
     """z̈ (…, L, z) of each group from all actuator forces (…, m) and contact forces (…, 3k)."""
     found = []
     for leg, pull in zip(system.legs, leg_pulls(system, f), strict=True):
-        driving = mv(selection(leg.group), forces[..., leg.group.forces]) - pull - leg.c
+        driving = mv(leg.group.S, forces[..., leg.group.forces]) - pull - leg.c
         found.append(leg_response(leg.group, leg.A, driving[..., None])[..., 0])  # Eq. 7
     return found
 

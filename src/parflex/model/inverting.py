@@ -103,8 +103,8 @@ def judged(core: Core, asked: Wanted, x: Array, gain: Array, allowed: bool) -> A
     other = core.functions(build, output, theta=asked.theta).run(x=x)
     platform = other["flexible"] if bends else gain
     beyond = gains.check_gain(mechanism, output, *gains.spread(x, platform, other["rigid"]))
-    if bends and not allowed and isinstance(output, PlatformOutput):
-        check_posed(mechanism, output, *gains.spread(x, gain, platform)[1:])
+    if bends and isinstance(output, PlatformOutput):
+        check_posed(mechanism, output, *gains.spread(x, gain, platform)[1:], allowed=allowed)
     return beyond
 
 

@@ -56,15 +56,24 @@ def held(form: Callable[[str, Any], Any] | None = None, default: Any = MISSING, 
 
 
 def number(
-    default: ArrayLike, kind: Kind | ByType, file: str, words: str, rule: Rule | None = None, **known: Any
+    default: ArrayLike | None,
+    kind: Kind | ByType,
+    file: str,
+    words: str,
+    rule: Rule | None = None,
+    **known: Any,
 ) -> Any:
     """A field of a number, or of an array of the default's shape, which is a table of the chain.
 
-    One that is infinite by default may be infinite, and no table. A parameter is by default one in
+    One that is infinite by default may be infinite, and no table; one that is None may be absent, and is
+    zero in the table. A parameter is by default one in
     which legs that are traced as one may differ.
     """
-    shape, table = np.shape(default), bool(np.all(np.isfinite(default)))
-    form = exact(shape) if shape else scalar if table else endless
+    if default is None:
+        shape, table, form = (), True, optional(scalar)
+    else:
+        shape, table = np.shape(default), bool(np.all(np.isfinite(default)))
+        form = exact(shape) if shape else scalar if table else endless
     known = {"table": table, "alike": not known.get("parameter")} | known
     made = about(form, rule=rule, kind=kind, shape=shape, file=file, words=words, default=default, **known)
     return (

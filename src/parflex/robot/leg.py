@@ -25,6 +25,7 @@ from parflex.base.held import Given, Held
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import about, check_fields, exact, held, number, optional
 from parflex.robot.flexure import Flexure
+from parflex.robot.link_checks import check_drive, check_link, check_turns
 from parflex.robot.seats import Seats, seats
 from parflex.robot.words import listed, told
 
@@ -40,6 +41,11 @@ class Joint:
 
     Friction `Fv` q̇ + `Fs` q̇/√(q̇² + v_s²) (Coulomb's, smoothed over the rate `v_s`) and a spring
     `k` (q − q_0) act on the joint, the spring of a revolute joint within half a turn of `q_0`.
+    A `drive_stiffness` (N/m or N m/rad) is a compliance in series between the motor and the link, with a
+    `drive_damping` (N s/m or N m s/rad) beside it. The joint variable stays that of the link; the motor is at
+    θ = q − δ, with the drive's deflection δ in the state, and there IA, friction, the spring and the motor's
+    force act.
+
     `q_min` and `q_max` are reported where they are exceeded, not enforced.
 
     A flexible link is a `body` instead of M, MS and I, given in the link's frame, at whose origin it is
@@ -47,8 +53,9 @@ class Joint:
     attachments, found by their place.
 
     Raises InputError where a value is not finite, a flag is not 0 or 1, M, IA, friction or k is
-    negative, v_s is not positive, I is not symmetric, q_min is not below q_max, mass is given twice, or the
-    body has no attachments, or shapes that it needs.
+    negative, v_s is not positive, I is not symmetric, q_min is not below q_max, mass is given twice, a drive
+    gives on a joint without a motor or its rotor's inertia, or the body has no attachments, or shapes that it
+    needs.
     """
 
     antecedent: int = field(metadata=about(integer))
@@ -100,6 +107,17 @@ class Joint:
     q_min: float = number(-np.inf, kinds.POSITION, "min", "lowest joint value; checked, not enforced")
     q_max: float = number(np.inf, kinds.POSITION, "max", "highest joint value; checked, not enforced")
     body: FlexibleBody | None = held(optional(partial(of_type, kind=FlexibleBody)), default=None)
+    drive_stiffness: float | None = number(
+        None,
+        kinds.STIFFNESS,
+        "drive_stiffness",
+        "of a compliance between the motor and the link",
+        POSITIVE,
+        parameter=True,
+    )
+    drive_damping: float = number(
+        0.0, kinds.DAMPING, "drive_damping", "of that compliance", NOT_NEGATIVE, parameter=True
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -107,6 +125,7 @@ class Joint:
             raise InputError(f"Joint.q_min is {self.q_min} and q_max {self.q_max}; q_min must be less")
         if self.body is not None:
             check_link(self)
+        check_drive(self)
 
     __repr__ = told
 
@@ -175,7 +194,7 @@ class Leg:
     @property
     def structure(self) -> tuple[object, ...]:
         """The properties that two legs must share to be computed in one pass."""
-        joints = tuple((type(j), j.antecedent, j.sigma, j.mu) for j in self.joints)
+        joints = tuple((type(j), j.antecedent, j.sigma, j.mu, j.drive_stiffness is None) for j in self.joints)
         tips = tuple((t.frame, t.flexure is not None) for t in self.tips)
         return joints, tips, self.modes, self.seats
 
@@ -186,8 +205,18 @@ class Leg:
 
     @property
     def size(self) -> int:
-        """The number of coordinates z = (q, e) of the leg."""
-        return len(self.joints) + sum(self.modes)
+        """The number of coordinates z = (q, e, δ) of the leg."""
+        return len(self.joints) + self.bends
+
+    @property
+    def bends(self) -> int:
+        """The number of its elastic coordinates: of its links, link by link, then of its drives."""
+        return sum(self.modes) + len(self.drives)
+
+    @cached_property
+    def drives(self) -> tuple[int, ...]:
+        """The joints, from 0, whose motors drive through a compliance."""
+        return tuple(j for j, joint in enumerate(self.joints) if joint.drive_stiffness is not None)
 
     @cached_property
     def seats(self) -> Seats:
@@ -223,46 +252,6 @@ def placed(joint: Joint) -> tuple[Array, Array]:
     axis = np.array([sg * sa, -cg * sa, ca])
     foot = np.array([joint.d * cg, joint.d * sg, joint.b])
     return foot + (0.0 if joint.sigma else joint.r) * axis, axis
-
-
-def check_link(joint: Joint) -> None:
-    """Raise InputError where a flexible link has its mass twice, or is not clamped at its frame."""
-    body = joint.body
-    assert body is not None
-    for name in ("M", "MS", "I"):
-        if np.any(value := np.asarray(getattr(joint, name))):
-            raise InputError(
-                f"Joint.{name} is {value.tolist()} beside body, which has {body.moments.m:.4g} kg of its "
-                f"own; give the mass, MS and I of a link either by its body or as numbers"
-            )
-    if not body.attachments:
-        raise InputError(
-            "Joint.body has no attachments; name the nodes at which its tips and the next joints sit"
-        )
-    at_origin = body.origin_node
-    if at_origin is None or not body.modes:
-        return
-    for shapes, moves in ((body.shapes, "move"), (body.rotation_shapes, "turn")):
-        largest = 0.0 if shapes is None else float(np.max(np.abs(shapes)))
-        moved = 0.0 if shapes is None else float(np.max(np.abs(shapes[:, at_origin])))
-        if moved > 1e-6 * largest:
-            raise InputError(
-                f"Joint.body: its shapes {moves} the origin of the joint's frame, by {moved / largest:.1e} "
-                f"of the largest; a link is clamped there: give shapes that vanish, with their rotations"
-            )
-
-
-def check_turns(bodies: Sequence[FlexibleBody | None], joints: Sequence[Joint], tips: Sequence[Tip]) -> None:
-    """Raise InputError where a body without rotation shapes carries a joint, or a tip with a flexure."""
-    held = [(joint.antecedent, "joint") for joint in joints]
-    held += [(tip.frame, "tip with a flexure") for tip in tips if tip.flexure is not None]
-    for frame, what in held:
-        body = bodies[frame - 1] if frame else None
-        if body is not None and body.modes and body.rotation_shapes is None:
-            raise InputError(
-                f"the body of joint {frame} has no rotation shapes, but carries a {what}, whose turning they "
-                f"tell; give rotation_shapes to the body"
-            )
 
 
 def deviations(joint: Joint, alpha: float) -> list[float]:

@@ -32,6 +32,7 @@ def of(kind: type) -> dict[str, Column]:
 
 
 OF_MASS = ("M", "MS", "I")  # which a flexible link has in its body
+OF_DRIVE = ("drive_stiffness", "drive_damping")  # which only a joint with a compliant drive has
 OF_BEAM, OF_FLEXURE = "body.beam.", "flexure."  # the ways from a joint and from a tip to their numbers
 BORE = (OF_BEAM + "inner", OF_BEAM + "outer")
 KINDS = (
@@ -157,7 +158,9 @@ def of_leg(i: int, leg: Leg) -> Iterator[Parameter]:
     """The parameters of a leg's joints, of links that are beams, and of flexures at its tips."""
     for j, joint in enumerate(leg.joints):
         for field, column in of(type(joint)).items():
-            if joint.body is None or field not in OF_MASS:
+            elsewhere = field in OF_MASS and joint.body is not None
+            absent = field in OF_DRIVE and joint.drive_stiffness is None
+            if not elsewhere and not absent:
                 yield Parameter(f"legs[{i}].joints[{j}].{field}", field, column.shape, (i,), j, column.rule)
         if isinstance(joint.body, BeamBody):
             for field in CHANGING:

@@ -10,7 +10,8 @@ from parflex.mechanics import chain
 from parflex.mechanics.derivatives.changes import assembled
 from parflex.mechanics.derivatives.leg_tangent import blockwise
 from parflex.mechanics.derivatives.tip_motions import leg_by_leg, tip_motions
-from parflex.mechanics.leg_terms import LegTerms, rates_of
+from parflex.mechanics.joint_forces import at_motor
+from parflex.mechanics.leg_terms import LegTerms, of_motors, rates_of
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.system import System
@@ -52,13 +53,14 @@ def by_leg(leg: LegTerms, x: Coordinates) -> Array:
 
 
 def joints_of(group: LegGroup, seeds: Array) -> Array:
-    """q_a and q̇_a (…, L, 2a), of places and velocities of the tips in Σ0i, which legs that carry their joints
-    do not read, and of carried coordinates and their rates, side by side."""
+    """θ and θ̇ of the motors (…, L, 2a), of places and velocities of the tips in Σ0i, which legs that
+    carry their joints do not read, and of carried coordinates and their rates, side by side."""
     c, tips = group.chain, (0 if group.type.carries else len(group.tip_frames), 3)
     place, velocity, s, sd = split(seeds, [tips, tips, (len(group.kept),), (len(group.kept),)])
     joints = group.type.joints(group, place, s)
     frames, still = chain.frames(c, joints), np.zeros(len(group.legs))
     J = [chain.tip_jacobian(c, frames, tip) for tip in group.points(joints.bend)] if any(c.modes) else []
-    qd = rates_of(group, frames, joints, J, place, velocity, sd)
-    q_a = [chain.joint_position(c, joints, j, still)[..., None] for j in group.actuated]
-    return join([*q_a, qd[..., list(group.actuated)]])
+    zd = rates_of(group, frames, joints, J, place, velocity, sd)
+    q_a = [chain.joint_position(c, joints, j, still) for j in group.actuated]
+    motors = [at_motor(c, j, q, joints.bend)[..., None] for j, q in zip(group.actuated, q_a, strict=True)]
+    return join([*motors, of_motors(group, zd)])

@@ -6,7 +6,7 @@ import numpy as np
 
 from parflex.base.array import Array, join, merged, mtv, mv, skew, split, transpose
 from parflex.base.dual import jacobian
-from parflex.mechanics import chain, recursion
+from parflex.mechanics import chain, joint_forces, recursion
 from parflex.mechanics.floor import Ground, ground, under_legs
 from parflex.mechanics.leg_terms import LegTerms, flexed, leg_response, rates_of
 from parflex.mechanics.legs.alike import each_leg
@@ -134,7 +134,7 @@ def leg_residual(
         recursion.with_push(loads, tip, mtv(R, force[..., t, :]))
         accelerations.append(mv(R, recursion.tip_acceleration(c, motions, tip, zd, zdd)))
     torque = recursion.inverse_dynamics(c, frames, motions, zd, zdd, loads)
-    torque = torque + recursion.passive(c, joints, zd)
+    torque = torque + joint_forces.passive(c, joints, zd)
     if group.flexures is None:
         return join([torque, *accelerations])
     C = axes.reshape((*axes.shape[:-1], len(tips), 3, 3))

@@ -24,7 +24,7 @@ from parflex.mechanics.derivatives.leg_tangent import axes_of, leg_residual, leg
 from parflex.mechanics.dynamics import acceleration_map, accelerations, inverse_of
 from parflex.mechanics.floor import BASE_CHANGES, Base, Seen, ground, seen_from, shifted, under_legs
 from parflex.mechanics.kinematics import position_in_world, unstacked
-from parflex.mechanics.leg_terms import LegTerms, selection
+from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.platform import Platform, platform_terms
@@ -77,7 +77,7 @@ def carried_responses(system: System, mobile: list[Array]) -> tuple[Array, Array
     for leg, both in zip(system.legs, mobile, strict=True):
         own = both[..., leg.J.shape[-2] :, :]
         pulled.append(block_diagonal(own @ transpose(leg.J)))
-        driven.append(block_diagonal(own @ selection(leg.group)))
+        driven.append(block_diagonal(own @ leg.group.S))
     order = mechanism.carried_order
     return diagonal(pulled)[..., order, :], diagonal(driven)[..., order, :][..., mechanism.force_order]
 

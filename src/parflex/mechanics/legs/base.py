@@ -26,6 +26,7 @@ class LegGroup(NamedTuple):
     offsets: Array  # (L, t, 3)
     attachments: Array  # (L, t) int
     actuated: tuple[int, ...]  # joint indices
+    S: Array  # (z, actuated), what the motors move: the force of one acts at θ = Sᵀ z
     forces: Array  # (L, actuated) int, positions in Γ
     posture: Array  # (L, n)
     branch: Array  # (…, L), ±1: the solution of the inverse geometry
@@ -44,7 +45,8 @@ class LegGroup(NamedTuple):
         return not self.type.carries and 3 * len(self.tip_frames) == self.chain.n
 
     def bend(self, kept: Array) -> Array:
-        """The elastic coordinates (…, L, ΣN) of those that the state carries (…, L, kept), or their rates."""
+        """Elastic coordinates (…, L, ΣN + d), those of d drives last, or rates, of all that the state
+        carries (…, L, kept)."""
         return kept[..., kept.shape[-1] - (self.chain.size - self.chain.n) :]
 
     def points(self, bend: Array) -> list[Point]:

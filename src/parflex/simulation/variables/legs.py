@@ -1,11 +1,12 @@
 """The legs: their joints, and what a picture of them needs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
 from parflex.base.array import Array
 from parflex.mechanics.paths import deformation
+from parflex.robot.leg import Leg
 from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
 
@@ -27,14 +28,28 @@ def of_flexible(values: Callable[[Recorded], Array]) -> Callable[[Recorded], Arr
 
 
 def links_of_modes(run: Recorded) -> Array:
-    """(legs, N) the number of the link of each elastic coordinate, from 1."""
-    return rows_of([np.repeat(np.arange(1, len(leg.joints) + 1), leg.modes) for leg in run.robot.legs])
+    """(legs, N) the link of each elastic coordinate, or the joint whose drive gives, from 1."""
+    of_links = [np.repeat(np.arange(1, len(leg.joints) + 1), leg.modes) for leg in run.robot.legs]
+    drives = [np.array(leg.drives, dtype=int) + 1 for leg in run.robot.legs]
+    return rows_of([np.concatenate(both) for both in zip(of_links, drives, strict=True)])
+
+
+def drives(run: Recorded) -> Array:
+    """(legs, N), 1 for the deflection of a drive and 0 for a mode of a link."""
+    return rows_of([np.repeat([0, 1], [sum(leg.modes), len(leg.drives)]) for leg in run.robot.legs])
 
 
 def frequencies(run: Recorded) -> Array:
     """(legs, N) rad/s."""
-    bodies = [[joint.body for joint in leg.joints if joint.body is not None] for leg in run.robot.legs]
-    return rows_of([np.concatenate([np.zeros(0), *(body.frequencies for body in leg)]) for leg in bodies])
+    return rows_of([np.array(list(frequencies_of(leg))) for leg in run.robot.legs])
+
+
+def frequencies_of(leg: Leg) -> Iterator[float]:
+    """rad/s: of links that are clamped at their joint and free, and of rotors on their drives alone."""
+    for body in (joint.body for joint in leg.joints if joint.body is not None):
+        yield from body.frequencies
+    for joint in (leg.joints[j] for j in leg.drives):
+        yield float(np.sqrt((joint.drive_stiffness or 0.0) / joint.IA))
 
 
 def rows_of(legs: Sequence[Array]) -> Array:
@@ -72,7 +87,7 @@ LEG_VARIABLES = (
         "leg_elastic",
         ("time", "leg", "leg_mode"),
         "kg0.5 m",
-        "elastic coordinates of the legs, link by link",
+        "elastic coordinates of the legs, link by link, then deflections of drives, which are in m or rad",
         of_flexible(lambda run: side_by_side(run.leg_elastic[0], len(run.t))),
     ),
     Variable(
@@ -86,14 +101,22 @@ LEG_VARIABLES = (
         "leg_mode_link",
         ("leg", "leg_mode"),
         "1",
-        "link of the elastic coordinate, from 1; 0 where a leg has fewer of them",
+        "link of the elastic coordinate, or joint of the drive, from 1; 0 where a leg has fewer of them",
         of_flexible(links_of_modes),
+    ),
+    Variable(
+        "leg_mode_drive",
+        ("leg", "leg_mode"),
+        "1",
+        "1 where the coordinate is the deflection of a drive, 0 where it is a mode of a link",
+        of_flexible(drives),
     ),
     Variable(
         "leg_frequency",
         ("leg", "leg_mode"),
         "rad s-1",
-        "natural frequency of the link, clamped at its joint and free; 0 where a leg has fewer",
+        "natural frequency of the link, clamped at its joint and free, or of a rotor on its drive alone; 0 "
+        "where a leg has fewer",
         of_flexible(frequencies),
     ),
     Variable(
