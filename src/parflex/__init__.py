@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from parflex.robot.base_motion import BaseMotion as BaseMotion
     from parflex.robot.beam import beam as beam
     from parflex.robot.body import FlexibleBody as FlexibleBody
+    from parflex.robot.coupling import Coupling as Coupling
     from parflex.robot.flexure import Flexure as Flexure
     from parflex.robot.leg import Joint as Joint, Leg as Leg, Tip as Tip
     from parflex.robot.modes import Modes as Modes
@@ -96,6 +97,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "robot.base_motion": "BaseMotion",
     "robot.beam": "beam",
     "robot.body": "FlexibleBody",
+    "robot.coupling": "Coupling",
     "robot.flexure": "Flexure",
     "robot.leg": "Joint Leg Tip",
     "robot.modes": "Modes",

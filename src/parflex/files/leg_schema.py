@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, WithJsonSchema, create_model
 
+from parflex.files.coupling_tables import CouplingTable
 from parflex.files.described import entries_of, first_line
 from parflex.files.flexure_schema import FlexureTable
 from parflex.files.joint_table import JointTable, Prismatic, Revolute, joint_table
@@ -37,6 +38,7 @@ class ChainTable(AnyChainTable):
 
     joints: list[JointTable] = Field(description="the joints in order, each with its type; [] for a post")
     tips: list[TipTable] = Field(min_length=1, description="where it holds the platform")
+    couplings: list[CouplingTable] = Field([], description="stiffnesses on several joints together")
 
 
 class KindTable(AnyChainTable):

@@ -10,6 +10,7 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.kinds import POSITION
 from parflex.base.nearest import nearest
+from parflex.files.coupling_tables import CouplingTable, coupling_of
 from parflex.files.described import built
 from parflex.files.flexure_tables import flexure_of, needs_direction, strut_direction
 from parflex.files.joint_table import JointTable, joint_of
@@ -19,6 +20,7 @@ from parflex.files.link_tables import link_fields
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
 from parflex.files.tables import rotation_of
+from parflex.robot.coupling import Coupling, check_couplings
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robots.legs import ALL_LEG_KINDS
@@ -31,6 +33,7 @@ class Parts(NamedTuple):
     table: AnyChainTable
     joints: tuple[Joint, ...]
     tips: tuple[Tip, ...]
+    couplings: tuple[Coupling, ...] = ()
 
 
 def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None:
@@ -47,7 +50,19 @@ def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None
             return None
         joints = more
     tips = [tip_of(reader, ("chain", name, "tips", i), joints, row) for i, row in enumerate(table.tips)]
-    return Parts(name, table, joints, tuple(found for found in tips if found is not None))
+    couplings = [
+        reader.attempt(("chain", name, "couplings", i), coupling_on, joints, row)
+        for i, row in enumerate(table.couplings)
+    ]
+    held = tuple(found for found in tips if found is not None)
+    return Parts(name, table, joints, held, tuple(found for found in couplings if found is not None))
+
+
+def coupling_on(joints: tuple[Joint, ...], row: CouplingTable) -> Coupling:
+    """A coupling of joints, checked as a leg's."""
+    found = coupling_of(row)
+    check_couplings([found], [joint.antecedent for joint in joints])
+    return found
 
 
 def tip_of(reader: Reader, where: Where, joints: tuple[Joint, ...], row: TipTable) -> Tip | None:
@@ -98,7 +113,8 @@ def placed_leg(reader: Reader, number: int, row: LegTable, parts: Mapping[str, P
     rotation = reader.attempt(where, rotation_of, row.rotation)
     if tips is None or rotation is None:
         return None
-    return reader.attempt(where, Leg, rotation, row.origin, known.joints, tips, posture)
+    placed = (rotation, row.origin, known.joints, tips, posture, known.couplings)
+    return reader.attempt(where, Leg, *placed)
 
 
 def chain_named(parts: Mapping[str, Parts | None], name: str) -> Parts:

@@ -11,6 +11,7 @@ import tomli_w
 
 from parflex.base.writing import replacing
 from parflex.fe.modal_file import save_body
+from parflex.files.coupling_tables import coupling_entries
 from parflex.files.flexure_tables import flexure_entries
 from parflex.files.joint_table import joint_entries
 from parflex.files.link_writing import LinkFiles
@@ -90,7 +91,9 @@ def chain_entries(leg: Leg, links: LinkFiles) -> Tables:
     joints = [
         joint_entries(joint, before) | links.entries(joint.body) for before, joint in enumerate(leg.joints)
     ]
-    return {"joints": joints, "tips": [tip_entries(tip) for tip in leg.tips]}
+    row = {"joints": joints, "tips": [tip_entries(tip) for tip in leg.tips]}
+    couplings = [coupling_entries(coupling) for coupling in leg.couplings]
+    return row | {"couplings": couplings} if couplings else row
 
 
 def tip_entries(tip: Tip) -> Tables:

@@ -17,6 +17,7 @@ import numpy as np
 
 from parflex.base.array import Array, block, cross, dot, matrix, mv, skew, stack
 from parflex.base.spatial import exact_cos_sin
+from parflex.mechanics.couplings import Coupled, coupled, side_by_side_couplings
 from parflex.mechanics.link import Link, Seat, body_at, link_of, seat_at, side_by_side
 from parflex.mechanics.platform import Deformed
 from parflex.robot.fields import Column, described
@@ -44,6 +45,7 @@ class Chain:
     links: tuple[Link | None, ...]
     seats: tuple[int, ...]
     drives: tuple[int, ...]  # the joints whose motors drive through a compliance
+    couplings: tuple[Coupled, ...]
 
     def __getattr__(self, name: str) -> Array:
         """The table of that name."""
@@ -99,7 +101,7 @@ def chain_of(leg: Leg) -> Chain:
     tables = {name: table.reshape(1, -1, *columns[name].shape) for name, table in tables.items()}
     links = tuple(None if joint.body is None else link_of(joint.body) for joint in leg.joints)
     structure = tuple(a - 1 for a in leg.antecedents), tuple(j.sigma for j in leg.joints)
-    return Chain(*structure, columns, tables, links, leg.seats.joints, leg.drives)
+    return Chain(*structure, columns, tables, links, leg.seats.joints, leg.drives, coupled(leg))
 
 
 def entry(joint: Joint, name: str, column: Column) -> Any:
@@ -113,7 +115,8 @@ def joined(chains: Sequence[Chain]) -> Chain:
     first = chains[0]
     tables = {name: np.concatenate([c.tables[name] for c in chains]) for name in first.tables}
     links = tuple(side_by_side(alike) for alike in zip(*(c.links for c in chains), strict=True))
-    return replace(first, tables=tables, links=links)
+    couplings = (side_by_side_couplings(alike) for alike in zip(*(c.couplings for c in chains), strict=True))
+    return replace(first, tables=tables, links=links, couplings=tuple(couplings))
 
 
 class Joints(NamedTuple):

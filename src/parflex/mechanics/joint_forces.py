@@ -1,9 +1,10 @@
-"""What acts at the joints of the legs: springs, friction, and drives that give."""
+"""The forces at the joints of the legs: springs, friction, couplings, and drives that give."""
 
 import numpy as np
 
-from parflex.base.array import Array, dot, join, stack
+from parflex.base.array import Array, dot, join, mv, stack
 from parflex.mechanics.chain import REST_RATE, Chain, Joints, bend_of, joint_position
+from parflex.mechanics.couplings import Coupled
 from parflex.mechanics.link import strain
 
 
@@ -33,7 +34,8 @@ def deflections(chain: Chain, bend: Array) -> list[Array]:
 
 
 def passive(chain: Chain, joints: Joints, zd: Array) -> Array:
-    """(…, L, z): friction and springs at the motors, stiffness and damping of the links and of drives."""
+    """(…, L, z): friction and springs at the motors, couplings at joints, stiffness and damping of links and
+    drives."""
     at_joints = resistance(chain, motor_rates(chain, zd)) + chain.k * stretch(chain, joints)
     strained = [
         strain(link, bend_of(chain, joints.bend, j), bend_of(chain, zd[..., chain.n :], j))
@@ -44,7 +46,22 @@ def passive(chain: Chain, joints: Joints, zd: Array) -> Array:
     for j, delta, rate in zip(chain.drives, *given, strict=True):
         pull = chain.drive_stiffness[:, j] * delta + chain.drive_damping[:, j] * rate
         strained.append((pull - at_joints[..., j])[..., None])
+    for coupling in chain.couplings:
+        at_joints = at_joints + coupling_force(chain, coupling, joints, zd)
     return join([at_joints, *strained]) if strained else at_joints
+
+
+def coupling_force(chain: Chain, coupling: Coupled, joints: Joints, zd: Array) -> Array:
+    """K (q − q_0) + D q̇ (…, L, n) of a coupling, at its joints among all."""
+    rates = zd[..., list(coupling.joints)]
+    force = mv(coupling.stiffness, stretch_of(chain, coupling, joints)) + mv(coupling.damping, rates)
+    return force @ np.eye(chain.n)[list(coupling.joints)]
+
+
+def stretch_of(chain: Chain, coupling: Coupled, joints: Joints) -> Array:
+    """q − q_0 (…, L, n) of the joints of a coupling; angles in (−π, π]."""
+    places = enumerate(coupling.joints)
+    return stack([joint_position(chain, joints, j, coupling.rest[:, i]) for i, j in places])
 
 
 def motor_rates(chain: Chain, zd: Array) -> Array:
@@ -65,21 +82,27 @@ def resistance(chain: Chain, qd: Array) -> Array:
 
 
 def power_lost(chain: Chain, zd: Array) -> Array:
-    """The power (…, L) that friction and the damping of drives take; of viscous friction Fv (q̇ − ṙ)² where
-    rests move."""
+    """The power (…, L) that friction and the damping of drives and couplings take; of viscous
+    friction Fv (q̇ − ṙ)² where rests move."""
     qd = motor_rates(chain, zd)
     lost = dot(qd, friction(chain, qd))
     if REST_RATE in chain.tables:
         lost = lost - dot(chain.Fv * chain.rest_rate, 2.0 * qd - chain.rest_rate)
     for j, rate in zip(chain.drives, deflections(chain, zd[..., chain.n :]), strict=True):
         lost = lost + chain.drive_damping[:, j] * rate * rate
+    for coupling in chain.couplings:
+        rates = zd[..., list(coupling.joints)]
+        lost = lost + dot(rates, mv(coupling.damping, rates))
     return lost
 
 
 def spring_energy(chain: Chain, joints: Joints) -> Array:
-    """The energy (…, L) of the joints' springs, and of drives."""
+    """The energy (…, L) of the joints' springs, of drives and of couplings."""
     stretched = stretch(chain, joints)
     stored = 0.5 * dot(chain.k * stretched, stretched)
     for j, delta in zip(chain.drives, deflections(chain, joints.bend), strict=True):
         stored = stored + 0.5 * chain.drive_stiffness[:, j] * delta * delta
+    for coupling in chain.couplings:
+        away = stretch_of(chain, coupling, joints)
+        stored = stored + 0.5 * dot(away, mv(coupling.stiffness, away))
     return stored

@@ -23,6 +23,7 @@ from parflex.base.check import (
 from parflex.base.errors import InputError
 from parflex.base.held import Given, Held
 from parflex.robot.body import FlexibleBody
+from parflex.robot.coupling import Coupling, check_couplings
 from parflex.robot.fields import about, check_fields, exact, held, number, optional
 from parflex.robot.flexure import Flexure
 from parflex.robot.link_checks import check_drive, check_link, check_turns
@@ -157,10 +158,10 @@ class Leg:
     Without joints it is a post, whose tips are on frame 0: spherical joints that stand on the base.
     `posture` (n,) are joint values near which the leg works. Where the inverse geometry has several
     solutions they name the branch, where it has no closed form they start Newton's method; without
-    them it is the leg type's first branch, and zeros.
+    them it is the leg type's first branch, and zeros. `couplings` are stiffnesses on several joints together.
 
-    Raises InputError where the tree has a loop, a tip is on no link, or a joint or a tip on a flexible link
-    is at none of its attachments.
+    Raises InputError where the tree has a loop, a tip is on no link, a coupling is across a branch, or a
+    joint or a tip on a flexible link is at none of its attachments.
     """
 
     rotation: Given = held(single_rotation)
@@ -168,6 +169,9 @@ class Leg:
     joints: Held[Sequence[Joint], tuple[Joint, ...]] = held(partial(all_of_type, kind=Joint))
     tips: Held[Sequence[Tip], tuple[Tip, ...]] = held(partial(all_of_type, kind=Tip))
     posture: Held[ArrayLike | None, Array | None] = held(default=None)
+    couplings: Held[Sequence[Coupling], tuple[Coupling, ...]] = held(
+        partial(all_of_type, kind=Coupling), default=()
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
@@ -185,6 +189,7 @@ class Leg:
                 raise InputError(f"Tip.frame is {tip.frame}; this leg has {links} its base, frame 0")
         if self.posture is not None:
             object.__setattr__(self, "posture", exactly("Leg.posture", self.posture, (len(self.joints),)))
+        check_couplings(self.couplings, self.antecedents)
         _ = self.seats  # raises
 
     def __repr__(self) -> str:
@@ -196,7 +201,7 @@ class Leg:
         """The properties that two legs must share to be computed in one pass."""
         joints = tuple((type(j), j.antecedent, j.sigma, j.mu, j.drive_stiffness is None) for j in self.joints)
         tips = tuple((t.frame, t.flexure is not None) for t in self.tips)
-        return joints, tips, self.modes, self.seats
+        return joints, tips, self.modes, self.seats, tuple(each.joints for each in self.couplings)
 
     @cached_property
     def modes(self) -> tuple[int, ...]:

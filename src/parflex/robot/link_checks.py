@@ -1,18 +1,15 @@
 """Checks of a leg's joints that concern more than one field: flexible links, and drives that give."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
 from parflex.base.errors import InputError
 from parflex.robot.body import FlexibleBody
 
-if TYPE_CHECKING:
-    from parflex.robot.leg import Joint, Tip
 
-
-def check_link(joint: "Joint") -> None:
+def check_link(joint: Any) -> None:
     """Raise InputError where a flexible link has its mass twice, or is not clamped at its frame."""
     body = joint.body
     assert body is not None
@@ -39,7 +36,7 @@ def check_link(joint: "Joint") -> None:
             )
 
 
-def check_drive(joint: "Joint") -> None:
+def check_drive(joint: Any) -> None:
     """Raise InputError for a compliance of a drive where there is no motor, or no rotor that it may move."""
     if joint.drive_stiffness is None:
         if joint.drive_damping:
@@ -60,9 +57,7 @@ def check_drive(joint: "Joint") -> None:
         )
 
 
-def check_turns(
-    bodies: Sequence[FlexibleBody | None], joints: Sequence["Joint"], tips: Sequence["Tip"]
-) -> None:
+def check_turns(bodies: Sequence[FlexibleBody | None], joints: Sequence[Any], tips: Sequence[Any]) -> None:
     """Raise InputError where a body without rotation shapes carries a joint, or a tip with a flexure."""
     held = [(joint.antecedent, "joint") for joint in joints]
     held += [(tip.frame, "tip with a flexure") for tip in tips if tip.flexure is not None]

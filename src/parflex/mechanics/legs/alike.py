@@ -8,6 +8,7 @@ import numpy as np
 
 from parflex.base.array import Array, split
 from parflex.base.unroll import each, recorder
+from parflex.mechanics.couplings import of_first
 from parflex.mechanics.flexures import Flexures
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.link import tables_of, with_tables
@@ -22,6 +23,7 @@ def alike(group: LegGroup) -> bool:
     tables = [chain.tables[name] for name, column in chain.columns.items() if column.alike]
     tables += [group.offsets, group.branch, *(group.flexures or ())]
     tables += [table for link in group.chain.links if link is not None for table in tables_of(link)]
+    tables += [table for coupling in chain.couplings for table in coupling[1:]]
     return all(np.all(table == table[:1]) for table in tables)
 
 
@@ -62,7 +64,8 @@ def holding(group: LegGroup, tables: Sequence[Array]) -> LegGroup:
     same = {name: table[:count] for name, table in group.chain.tables.items()}
     chain = group.chain.with_tables(same | dict(zip(names, tables, strict=False)))
     links = (link and with_tables(link, [table[:count] for table in tables_of(link)]) for link in chain.links)
-    chain = replace(chain, links=tuple(links))
+    couplings = tuple(of_first(coupling, count) for coupling in chain.couplings)
+    chain = replace(chain, links=tuple(links), couplings=couplings)
     form: dict[str, Any] = {name: getattr(group, name)[:count] for name in FORM}
     form["flexures"] = group.flexures and Flexures(*(table[:count] for table in group.flexures))
     form |= dict(zip(STANDS, tables[len(names) :], strict=True))
