@@ -48,3 +48,8 @@ def test_snippet_of_the_readme(tmp_path):
     assert len(snippet.strip().splitlines()) <= 15
     run(snippet, tmp_path)
     assert (tmp_path / "push.nc").exists()
+
+
+def test_snippet_on_drives(tmp_path):
+    _, snippet = re.findall(r"```python\n(.*?)```", (DOCS / "flexible-legs.md").read_text(), re.DOTALL)
+    run(snippet + "assert np.allclose(np.array(squeezed) * 80, -forces), motors", tmp_path)

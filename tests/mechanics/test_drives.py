@@ -149,11 +149,14 @@ def test_the_bend_that_is_found_gives_the_target():
     assert relative(model.direct(there, found.forces).platform, target) <= 1e-10
 
 
-def test_the_platform_does_not_accelerate_at_once():
-    """∂V̇_p/∂Γ is zero: refused with advice that works; motors accelerate by 1/IA, collocated."""
-    robot = named("gough")
-    model = pf.Model(robot, "numpy")
-    state, forces = moving(robot, 4), np.arange(6.0)
+@pytest.mark.parametrize("backend", ["numpy", "native"])
+@pytest.mark.parametrize("name", ["gough", "some"])
+def test_the_platform_does_not_accelerate_at_once(name, backend):
+    """∂V̇_p/∂Γ is zero: refused with advice that works, also where only some motors drive through springs."""
+    robot = named(name)
+    model = pf.Model(robot, backend)
+    state = moving(robot, 4)
+    forces = np.arange(6.0) * [bool(leg.drives) for leg in robot.legs]
     assert relative(model.direct(state, forces).platform, model.direct(state, 0 * forces).platform) <= 1e-9
     for allowed in (False, True):
         with pytest.raises(pf.InputError, match=r"JointOutput\(\)"):
@@ -161,7 +164,7 @@ def test_the_platform_does_not_accelerate_at_once():
     target = np.linspace(-1, 1, 6)
     found = model.inverse(state, target, pf.JointOutput())
     there = model.direct(state, found.forces)
-    motors = [q[2] - e[0] for q, e in zip(there.leg_joints, there.leg_elastic, strict=True)]
+    motors = [q[2] - sum(e) for q, e in zip(there.leg_joints, there.leg_elastic, strict=True)]
     assert relative(np.array(motors), target) <= 1e-10
 
 
@@ -248,3 +251,57 @@ def test_they_hold_their_weight():
     there = model.direct(state, forces)
     assert np.max(np.abs(there.platform)) <= 1e-9 * 9.81
     assert np.max(np.abs(np.concatenate(there.leg_elastic))) <= 1e-9 * 9.81
+
+
+@pytest.mark.parametrize(
+    ("numbers", "words"),
+    [
+        ({"mu": 1, "drive_stiffness": 1e5}, "it needs IA, the rotor's inertia"),
+        ({"mu": 0, "IA": 1.0, "drive_stiffness": 1e5}, "no motor drives; set mu = 1"),
+        ({"mu": 1, "IA": 1.0, "drive_stiffness": 0.0}, "Joint.drive_stiffness is 0"),
+        ({"mu": 1, "IA": 1.0, "drive_stiffness": 1.0, "drive_damping": -1.0}, "Joint.drive_damping is -1"),
+        ({"mu": 1, "IA": 1.0, "drive_damping": 1.0}, "without drive_stiffness"),
+    ],
+)
+def test_bad_drives_are_refused(numbers, words):
+    with pytest.raises(pf.InputError, match=words):
+        pf.Joint(0, sigma=1, **numbers)
+    bar = pf.Bar(mass=1.0, length=0.3, outer=0.02)
+    with pytest.raises(pf.InputError, match="no rotor_inertia"):
+        pf.Strut(bar, bar, drive_stiffness=1e5)
+
+
+def test_files_keep_them_and_name_the_line_of_bad_ones(tmp_path):
+    robot = compliant(pf.robots.gough_stewart(0))
+    path = robot.to_file(tmp_path / "robot.toml")
+    for leg in pf.load_robot(path).legs:
+        assert (leg.joints[2].drive_stiffness, leg.joints[2].drive_damping) == (3e4, 20.0)
+        assert leg.joints[1].drive_stiffness is None
+    text = path.read_text()
+    for old, new, words in (
+        ("drive_stiffness = 30000.0", "drive_stiffness = -1.0", "drive_stiffness"),
+        ("actuated = true\n", "", "no motor drives"),
+        ("drive_stiffness = 30000.0\n", "", "without drive_stiffness"),
+    ):
+        assert old in text
+        path.write_text(text.replace(old, new))
+        with pytest.raises(pf.InputError, match=words) as told:
+            pf.load_robot(path)
+        assert "robot.toml:" in str(told.value)
+
+
+def test_runs_say_which_coordinates_are_drives():
+    """A second held by the servo: the balance of energies, and the variables of the legs."""
+    robot = series(20.0)
+    model = pf.Model(robot)
+    state, _ = model.equilibrium(*robot.home_pose)
+    to = [[0.01, 0.0, 0.0], [0.0, 0.01, 0.01]]
+    path = pf.Trajectory.of(
+        state, [pf.MoveTo(np.asarray(state.position) + step, duration=0.2) for step in to]
+    )
+    run = pf.simulate(model, pf.Servo(model, path), state, np.linspace(0, 0.4, 9)).dataset
+    assert np.array_equal(run.leg_mode_drive, np.ones((6, 1)))
+    assert np.array_equal(run.leg_mode_link, np.full((6, 1), 3))
+    assert run.leg_frequency.values == pytest.approx(np.full((6, 1), np.sqrt(K_DRIVE / IA)))
+    total = np.max(np.abs(run.energy_springs)) + np.max(np.abs(run.energy_kinetic))
+    assert float(np.max(np.abs(run.energy_residual)) / total) <= 1e-6

@@ -85,10 +85,15 @@ JOINT = {name: whole(0) for name in ("antecedent", "sigma", "mu")}
 JOINT |= {name: number(0.1) for name in ("gamma", "b", "alpha", "d", "theta", "r", "q_0")}
 JOINT |= {name: number(0.1, more={"negative": -1.0}) for name in ("M", "IA", "Fv", "Fs", "v_s", "k")}
 JOINT |= {"MS": array(np.zeros(3)), "I": array(np.eye(3))}
+COMPLIANCE = {
+    "drive_stiffness": positive(1e5, none=True),
+    "drive_damping": number(0.0, more={"negative": -1.0}),
+}
 LIMIT = {name: bad for name, bad in number().bad.items() if name != "inf"}
 JOINT |= {"q_min": Argument(-1.0, LIMIT | {"inf": INF}), "q_max": Argument(1.0, LIMIT | {"minus inf": -INF})}
 DRIVE = {"stroke": array([0.1, 0.9], none=True), "rest": number(0.5, none=True)}
-DRIVE |= {name: number(more={"negative": -1.0}) for name in ("stiffness", "damping", "rotor_inertia")}
+DRIVE |= {name: number(1.0, more={"negative": -1.0}) for name in ("stiffness", "damping", "rotor_inertia")}
+DRIVE |= COMPLIANCE
 BARS = {n: positive(0.2, none=True) for n in ("mass", "outer", "inner", "length", "density", "young")}
 SHAPE_COUNTS = {n: whole(1) for n in ("axial", "torsion")} | {"static": flag()}
 BEAM = pf.beam((0, 0, 1.0), 0.1, young=2e11, poisson=0.3, density=7850.0)
@@ -175,10 +180,16 @@ DOORS: dict[str, Door] = {
         | {"rest": rotation(none=True)},
     ),
     "Flexure.about": Door(pf.Flexure.about, {"axis": array([0, 0, 1.0])} | FLEXURE),
+    "Coupling": Door(
+        pf.Coupling,
+        {"joints": other((1, 2), **BAD, **NONE, zero=(0, 1), twice=(1, 1))}
+        | {name: array(np.eye(2)) for name in ("stiffness", "damping")}
+        | {"rest": array(np.zeros(2))},
+    ),
     "FrameOutput": Door(pf.FrameOutput, {"rows": ROWS}),
     "Hold": Door(pf.Hold, {"duration": positive()}),
     "JointOutput": Door(pf.JointOutput, {"rows": SOME_JOINTS}),
-    "Joint": Door(pf.Joint, JOINT | {"body": thing(BEAM, none=True)}),
+    "Joint": Door(pf.Joint, JOINT | {"body": thing(BEAM, none=True)} | COMPLIANCE),
     "JointPD": Door(pf.JointPD, MODELLED | {"reference": ONE} | GAINS | {"forces": array(GAMMA)}),
     "Leg": Door(
         pf.Leg,
@@ -188,6 +199,7 @@ DOORS: dict[str, Door] = {
             "joints": things(LEG.joints),
             "tips": things(LEG.tips),
             "posture": array(np.zeros(3), none=True),
+            "couplings": things([pf.Coupling((1, 2), np.eye(2))]),
         },
     ),
     "Model": Door(

@@ -14,7 +14,7 @@ from parflex.base.errors import InputError
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output
+from parflex.mechanics.output import THROUGH_DRIVES, Output
 
 # of the gain with legs that do not bend. Shapes that bend a strut leave 1.0 and more. Those that
 # stretch a rod between motor and platform leave less than nothing, or little: two of them a half at
@@ -53,11 +53,7 @@ def check_posed(
     least = least_share(mechanism, output, flexible, stiff)
     bad = ~(np.abs(least) >= NONE)
     if np.any(bad):
-        raise InputError(
-            f"pose{index_of(bad)}: a compliance lies between motors and platform, which forces do not "
-            f"accelerate at once: take output=JointOutput(), the accelerations of the motors, or "
-            f'legs="static", legs that give with the load and do not swing'
-        )
+        raise InputError(f"pose{index_of(bad)}: {THROUGH_DRIVES}")
     bad = ~(least >= LEAST)
     if np.any(bad) and not allowed:
         worst = float(np.min(least))

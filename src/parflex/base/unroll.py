@@ -3,11 +3,13 @@
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextvars import ContextVar
+from functools import partial
 from typing import Any, Protocol
 
 import numpy as np
 
 from parflex.base.array import Array, block, dot, matrix, mv, stack, transpose
+from parflex.base.dual import called
 
 DENSE = 2000  # entries of a table from which on a loop over it is shorter than straight-line code
 
@@ -192,6 +194,11 @@ def substituted(factor: Array, b: Array) -> Array:
     return stack(x, axis=-2) if x else b
 
 
+def root(a: Array) -> Array:
+    """The square roots of floats, or of symbols among which there may be constants."""
+    return np.frompyfunc(partial(called, "sqrt"), 1, 1)(a) if a.dtype == object else np.sqrt(a)
+
+
 def solve_least_norm(a: Array, b: Array) -> Array:
     """The shortest x with a x = b, rows of a independent: (…, o, m), (…, o) -> (…, m), o ≤ m.
 
@@ -208,7 +215,7 @@ def solve_least_norm(a: Array, b: Array) -> Array:
             projection = dot(unit, v)
             v = v - projection[..., None] * unit
             rhs = rhs - projection * known
-        length = np.sqrt(dot(v, v))
+        length = root(dot(v, v))
         columns.append(v / length[..., None])
         y.append(rhs / length)
     return mv(stack(columns), stack(y))

@@ -13,7 +13,7 @@ from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import contact, dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import Output
+from parflex.mechanics.output import Output, check_at_once
 from parflex.mechanics.stiffening import stiffened, unbalanced
 
 Restricted = Callable[[assembly.System], assembly.System]
@@ -44,7 +44,8 @@ def moved(system: assembly.System, found: dynamics.Acceleration) -> Vectors:
 
 
 def inverse(mechanism: Mechanism, output: Output) -> Kernel:
-    """The inverse dynamic model, with its gain ∂output/∂Γ by rows."""
+    """The inverse dynamic model, with its gain ∂output/∂Γ by rows; raises InputError as `check_at_once`."""
+    check_at_once(mechanism, output)
 
     def function(x: Array, target: Array, load: Array, preload: Array) -> Vectors:
         system = assembly.assembled(mechanism, x)

@@ -20,6 +20,12 @@ from parflex.robot.body import FlexibleBody
 from parflex.robot.layout import Coordinates
 from parflex.robot.robot import Robot
 
+THROUGH_DRIVES = (
+    "a compliance lies between motors and platform, which forces do not accelerate at once: take "
+    'output=JointOutput(), the accelerations of the motors, or legs="static", legs that give with the load '
+    "and do not swing"
+)
+
 Moved = tuple[Array, Array]  # V̇_p and q̈_e, (…, 6, c) and (…, N, c)
 
 
@@ -244,3 +250,12 @@ def driven_mobility(system: System) -> Array:
         parts.append(block_diagonal(S.T @ found))
     order = system.mechanism.force_order
     return diagonal(parts)[..., order, :][..., order]
+
+
+def check_at_once(mechanism: Mechanism, output: Output) -> None:
+    """Raise InputError where an output of the platform has more rows than there are motors that drive without
+    a compliance: others do not accelerate it at once."""
+    at_once = sum(len(leg.legs) * (len(leg.actuated) - len(leg.chain.drives)) for leg in mechanism.groups)
+    given = any(group.chain.drives for group in mechanism.groups)
+    if given and at_once < output.size and isinstance(output, PlatformOutput):
+        raise InputError(f"output is a {type(output).__name__}, but {THROUGH_DRIVES}")
