@@ -305,3 +305,16 @@ def test_runs_say_which_coordinates_are_drives():
     assert run.leg_frequency.values == pytest.approx(np.full((6, 1), np.sqrt(K_DRIVE / IA)))
     total = np.max(np.abs(run.energy_springs)) + np.max(np.abs(run.energy_kinetic))
     assert float(np.max(np.abs(run.energy_residual)) / total) <= 1e-6
+
+
+def test_c_code_names_them(tmp_path):
+    """The state of the exported models, whose inverse prescribes the motors."""
+    robot = series(20.0)
+    with pytest.raises(pf.InputError, match="take output=JointOutput"):
+        pf.export_c(robot, tmp_path / "none")
+    pf.export_c(robot, tmp_path / "model", pf.JointOutput())
+    told = (tmp_path / "model" / "model.h").read_text()
+    assert "deflections of drives of leg 6, link less motor: joint 3, m" in " ".join(
+        told.replace("*", "").split()
+    )
+    assert "6 drives that give" in (tmp_path / "model" / "README.md").read_text()

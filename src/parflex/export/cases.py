@@ -83,7 +83,9 @@ def leg_sag(mechanism: Mechanism) -> Array:
     for leg, place in zip(mechanism.robot.legs, mechanism.layout.by_leg[1], strict=True):
         bodies = [joint.body for joint in leg.joints if joint.body is not None]
         parts = [sag_of(body, MOVED * mechanism.size) for body in bodies]
-        found[place] = np.concatenate([np.zeros(0), *parts])
+        drives = [leg.joints[j] for j in leg.drives]
+        given = [GRAVITY * joint.IA / (joint.drive_stiffness or 1.0) for joint in drives]
+        found[place] = np.concatenate([*parts, np.minimum(given, MOVED * mechanism.size)])
     return found
 
 

@@ -156,7 +156,9 @@ def leg_modes(data: xr.Dataset) -> list[tuple[str, ...]]:
         return []
     alike: dict[tuple[int, str], list[str]] = {}
     pairs = zip(data["leg_mode_link"].values, data["leg_frequency"].values / (2 * np.pi), strict=True)
+    drives = data.get("leg_mode_drive", 0 * data["leg_mode_link"]).values
     for leg, (links, found) in enumerate(pairs, start=1):
+        links = np.where(drives[leg - 1], 0, links)
         for link in np.unique(links[links > 0]):
             words = ", ".join(f"{hertz:.5g}" for hertz in found[links == link])
             alike.setdefault((int(link), words), []).append(str(leg))
