@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
-from parflex.mechanics import chain, flexures, joint_forces
+from parflex.mechanics import chain, flexures, joint_forces, recursion
 from parflex.mechanics.floor import Base, ground, twist_of_legs
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.platform import body_energies
