@@ -25,6 +25,7 @@ PLATFORMS = {  # those that the templates lack
 BEAM = {"end": [0.0, 0, 0.6], "outer": 0.03, "young": 2e11, "poisson": 0.3, "density": 7850.0}
 LINKS = {"beam": BEAM}, {"body": {"kind": "modal", "file": "none.nc"}}  # those that the templates lack
 FLEXURE = {"bending": 5.0, "torsion": 9.0}
+COUPLING = {"joints": [1, 2], "stiffness": [[5.0, 1.0], [1.0, 4.0]]}
 CONTROLLERS = (
     {"kind": "servo"},
     {"kind": "computed-torque", "kp": 400.0, "kd": 40.0},
@@ -49,7 +50,8 @@ def robots() -> Iterator[dict[str, Any]]:
         joint = {"type": "prismatic", "actuated": True, "alpha": 1.5707963267948966} | link
         tip = {"frame": 3, "offset": [0.0, 0, 0.6], "flexure": FLEXURE}
         rigid = template("gough-stewart")["chain"]["ups"]["joints"][:2]
-        yield template("gough-stewart") | {"chain": {"ups": {"joints": [*rigid, joint], "tips": [tip]}}}
+        chain = {"joints": [*rigid, joint], "tips": [tip], "couplings": [COUPLING]}
+        yield template("gough-stewart") | {"chain": {"ups": chain}}
     for kind, platform in PLATFORMS.items():
         yield template("gough-stewart") | {"platform": {"kind": kind} | platform}
 
