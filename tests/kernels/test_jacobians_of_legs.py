@@ -16,6 +16,7 @@ from parflex.kernels.motion_jacobian import by_flat_state
 from parflex.model.core import Core, core_of
 from parflex.simulation.laws import controller_of
 from parflex.simulation.loads import Loads
+from soft import CASES, pulled_off, softened
 
 DIFFERENCES = 1e-7  # central ones, extrapolated once: of their own error
 STEPS = {  # the models are nearly quadratic in the rates; bending shapes turn far by little
@@ -88,6 +89,27 @@ def test_direct_against_differences(case):
     assert by_column(np.concatenate([found.forces, found.carried_forces]), expected) <= DIFFERENCES
     expected = difference(lambda d: accelerations(core, x, forces, d), len(load), 1.0)
     assert by_column(np.concatenate([found.load, found.carried_load]), expected) <= DIFFERENCES
+
+
+@pytest.mark.parametrize(("name", "which"), CASES)
+def test_soft_tips_against_differences(name, which):
+    """By every motion, by forces and loads, and by the stiffness and damping of a soft tip."""
+    robot = softened(flexlegs.mixed(name), which)
+    of_tip = "legs[{}].tips[{}].flexure.translation".format(*which[-1])
+    model = pf.Model(robot, "numpy", parameters=[of_tip, f"{of_tip}_damping"])
+    core, state, forces = core_of(model), pulled_off(robot, 1), np.linspace(-50.0, 80.0, robot.n_forces)
+    found, x = model.direct_jacobian(state, forces), core.flat(state)
+    expected = by_motions(core, lambda d: accelerations(core, moved(x, d), forces))
+    assert by_column(np.concatenate([found.state, found.carried]), expected) <= DIFFERENCES
+    theta = core.functions.theta
+
+    def designed(d: np.ndarray) -> np.ndarray:
+        other = core.functions(kernels.direct, theta=theta + d)
+        answer = other(x=x, forces=forces, load=np.zeros(6 + robot.platform.modes))
+        return np.concatenate([answer["platform"], answer["elastic"]])
+
+    expected = difference(designed, len(theta), 1.0)  # linear in both
+    assert by_column(found.parameters, expected) <= DIFFERENCES
 
 
 @pytest.mark.slow

@@ -9,6 +9,7 @@ import pytest
 import flexlegs
 import parflex as pf
 from lagrange import Lagrange, errors
+from soft import CASES, pulled_off, softened
 
 AGREED = 1e-10  # two solutions in 64 bits; 4e-12 is reached
 
@@ -34,6 +35,20 @@ def test_bent_legs_obey_lagranges_equations(name, seed):
     found = errors(answer, model, state, forces)
     assert max(found.values()) <= AGREED, found
     assert max(answer.gap, answer.gap_rate) <= 1e-10  # the oracle's own closure holds at the library's joints
+
+
+@pytest.mark.parametrize(("name", "which"), CASES)
+def test_soft_tips_obey_lagranges_equations(name, which):
+    robot = softened(named(name), which)
+    model, state = pf.Model(robot, "numpy"), pulled_off(robot, 1)
+    legs = model.joints(state)
+    state = replace(state, joints=legs.q, joint_rates=legs.qd)
+    forces = 100.0 * np.random.default_rng(1).normal(size=robot.n_forces)
+    answer = Lagrange(robot)(state, forces)
+    found = errors(answer, model, state, forces)
+    assert max(found.values()) <= AGREED, found
+    assert max(answer.gap, answer.gap_rate) <= 1e-10
+    assert sum(model.energies(state)) == pytest.approx(answer.energy, rel=1e-12)
 
 
 @pytest.mark.parametrize("name", flexlegs.NAMES)

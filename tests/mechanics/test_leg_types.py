@@ -11,7 +11,7 @@ import pytest
 import chains
 from parflex.mechanics.legs import ALL_LEG_TYPES
 from parflex.mechanics.legs.base import regular, settled
-from parflex.mechanics.mechanism import alone
+from parflex.mechanics.legs.gathered import alone
 
 SEEDS = range(5)
 

@@ -10,6 +10,7 @@ from parflex.base.array import Array
 from parflex.base.errors import NotConverged
 from parflex.mechanics import dynamics
 from parflex.mechanics.derivatives.changes import Load
+from parflex.mechanics.system import tip_forces
 
 
 class Bend(NamedTuple):
@@ -50,7 +51,7 @@ def bends(at: Statics, H: Array) -> list[Bend]:
                 places = slice(first, first + z)
                 held = np.concatenate([leg.J[i], group.S.T]) * at.scale[places]
                 own = null_space(held / np.linalg.norm(held, axis=-1, keepdims=True))
-                along = at.basis[places].T @ own
+                along = np.linalg.pinv(at.basis)[:, places] @ own
                 alone = own * at.scale[places][:, None]
                 strained = alone.T @ (link_stiffness(group)[i][:, None] * alone)
                 found.append(Bend(number, symmetric(along.T @ H @ along), strained, slice(tip, tip + rows)))
@@ -62,8 +63,8 @@ def buckled(at: Statics, bend: Bend, forces: Array, load: Load) -> str:
     """The leg, its load, and the load that it carries."""
     from scipy.linalg import eigh
 
-    contact = dynamics.direct_of(at.system, forces, load(at.system.x)).contact[bend.tips]
-    carried = float(np.linalg.norm(contact))
+    contact = dynamics.direct_of(at.system, forces, load(at.system.x)).contact
+    carried = float(np.linalg.norm(tip_forces(at.system, contact)[bend.tips]))
     firm = bend.alone + 1e-12 * np.trace(bend.alone) * np.eye(len(bend.alone))
     share = float(eigh(firm - bend.loaded, firm, eigvals_only=True)[-1])
     return (

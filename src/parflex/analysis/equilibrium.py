@@ -13,7 +13,7 @@ import numpy as np
 from parflex.analysis.buckling import check_stability
 from parflex.analysis.health import check_health, on_closure, single
 from parflex.analysis.mobility import freed_twist, null_space, show, span
-from parflex.analysis.statics import Statics, firmness, held_load, statics, stiffness
+from parflex.analysis.statics import Statics, firmness, held_load, loose_twist, statics, stiffness
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError, NotConverged
@@ -126,6 +126,12 @@ def check_found(mechanism: Mechanism, first: Step, now: Step, hold: Hold | None,
         check_balance(mechanism, now, hold)
         check_stability(now.at, now.forces, load)
     except NotConverged:
+        twist = loose_twist(now.at)
+        if twist is not None:
+            raise NotConverged(
+                f"the platform's soft tips carry nothing along the twist (v, ω) = {show(twist)}, along which "
+                f"nothing else holds it; give them Flexure.translation there"
+            ) from None
         if hold is not None:
             check_stability(first.at, first.forces, load)
         raise

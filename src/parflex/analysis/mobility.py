@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.closure import EVERY, POSE, actuated_rows, closure_matrix, displaced, units
+from parflex.mechanics.closure import EVERY, POSE, actuated_rows, closure_matrix, displaced, tip_matrix, units
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import assembled
 
@@ -18,7 +18,8 @@ HAIR = 1e-14  # of the platform's size: what round-off may put a pose beyond rea
 
 @dataclass(frozen=True)
 class Mobility:
-    """The freedoms that the closure leaves at a state, elastic coordinates of platform and legs aside.
+    """The freedoms that the legs leave at a state where nothing gives: elastic coordinates of platform and
+    legs aside, and soft tips as if they held the platform.
 
     Twists are (v, ω) in Σp, m/s and rad/s, wrenches (f, n) in Σp, N and N m, with unit largest
     component in the scale of the platform.
@@ -67,7 +68,7 @@ class Motions(NamedTuple):
 def mobility(mechanism: Mechanism, x: Array) -> Mobility:
     """The mobility at one flat state."""
     lengths = np.repeat([1.0, mechanism.size], 3)
-    G = scaled_closure(mechanism, x)
+    G = scaled_tips(mechanism, x)
     Z_p, Z_a = motions(mechanism, G)
     still, locked = null_space(Z_p), null_space(Z_a)
     independent = rank(G)
@@ -98,8 +99,13 @@ def reached(mechanism: Mechanism, x: Array) -> Array:
     return x if within[0] or not np.any(within) else near[np.argmax(within)]
 
 
+def scaled_tips(mechanism: Mechanism, x: Array) -> Array:
+    """[−Wᵀ J] (3k, 6 + N + z) of all tips at a flat state, its columns in the robot's scale."""
+    return tip_matrix(assembled(mechanism, x)) * units(mechanism, EVERY)
+
+
 def scaled_closure(mechanism: Mechanism, x: Array) -> Array:
-    """[−Wᵀ J] (3k, 6 + N + z) at a flat state, its columns in the robot's scale."""
+    """The rows (r, 6 + N + z) of it of the tips that are not soft."""
     return closure_matrix(assembled(mechanism, x)) * units(mechanism, EVERY)
 
 
@@ -113,7 +119,7 @@ def motions(mechanism: Mechanism, G: Array) -> Motions:
 
 def freed_twist(mechanism: Mechanism, x: Array) -> Array:
     """The twist (6,), largest entry 1, that locked actuators hold least."""
-    Z_p, Z_a = motions(mechanism, scaled_closure(mechanism, x))
+    Z_p, Z_a = motions(mechanism, scaled_tips(mechanism, x))
     weakest = Z_p @ np.linalg.svd(Z_a)[2][-1]
     twist = weakest / np.repeat([1.0, mechanism.size], 3)
     return twist / np.max(np.abs(twist))

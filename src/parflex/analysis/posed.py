@@ -1,8 +1,10 @@
-"""Inverse models that mean nothing: what legs that bend make of the gains from forces to an output.
+"""Inverse models that mean nothing: what legs that bend, and soft tips, make of the gains from forces to an
+output.
 
 Where a compliance lies between motor and platform, the platform does not accelerate with the motor but after
-it. Through a drive that gives the instantaneous gain is zero, and there is no inverse. Of links with mass it
-is an accident of the chosen shapes: it alternates in sign, and tends to 0, with their number.
+it. Through a drive that gives, or through soft tips alone, the instantaneous gain is zero, and there is no
+inverse. Of links with mass it is an accident of the chosen shapes: it alternates in sign, and tends to 0, with
+their number.
 """
 
 import numpy as np
@@ -14,7 +16,7 @@ from parflex.base.errors import InputError
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import THROUGH_DRIVES, Output
+from parflex.mechanics.output import THROUGH_DRIVES, THROUGH_SOFT_TIPS, Output
 
 # of the gain with legs that do not bend. Shapes that bend a strut leave 1.0 and more. Those that
 # stretch a rod between motor and platform leave less than nothing, or little: two of them a half at
@@ -36,7 +38,7 @@ def least_share(mechanism: Mechanism, output: Output, flexible: Array, stiff: Ar
 def well_posed(functions: Functions, output: Output, x: Array) -> bool:
     """True where the inverse model means something at a flat state (size,)."""
     mechanism = functions.mechanism
-    if not any(mechanism.layout.elastic):
+    if not mechanism.gives:
         return True
     gains = (functions(build, output)(x=x)["flexible"] for build in (models.gains, models.platform_gains))
     return bool(least_share(mechanism, output, *gains) >= LEAST)
@@ -53,7 +55,7 @@ def check_posed(
     least = least_share(mechanism, output, flexible, stiff)
     bad = ~(np.abs(least) >= NONE)
     if np.any(bad):
-        raise InputError(f"pose{index_of(bad)}: {THROUGH_DRIVES}")
+        raise InputError(f"pose{index_of(bad)}: {THROUGH_SOFT_TIPS if mechanism.soft else THROUGH_DRIVES}")
     bad = ~(least >= LEAST)
     if np.any(bad) and not allowed:
         worst = float(np.min(least))

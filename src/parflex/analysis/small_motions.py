@@ -12,7 +12,7 @@ import numpy as np
 
 from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.gains import gain_matrix
-from parflex.analysis.mobility import motions, null_space, scaled_closure
+from parflex.analysis.mobility import motions, null_space, scaled_closure, scaled_tips
 from parflex.analysis.statics import held_load, linearised
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
@@ -100,7 +100,7 @@ class SmallMotions:
         """∂q̈_a/∂Γ (m, m) 1/kg of the robot whose platform does not bend."""
         mechanism, output = self.functions.mechanism, FrameOutput()
         gain = gain_matrix(mechanism, output, self.functions(models.gains, output)(x=self.x)["rigid"])
-        unbent = motions(mechanism, scaled_closure(mechanism, self.x))
+        unbent = motions(mechanism, scaled_tips(mechanism, self.x))
         found: Array = unbent.actuated @ np.linalg.pinv(unbent.platform) @ gain
         return found
 

@@ -13,7 +13,7 @@ from parflex.analysis.mobility import null_space
 from parflex.base.array import Array, block, block_diagonal, join, merged, transpose
 from parflex.kernels.jacobians import load_of
 from parflex.mechanics import system as assembly
-from parflex.mechanics.closure import EVERY, actuated_rows, closure_matrix, units
+from parflex.mechanics.closure import EVERY, actuated_rows, closure_matrix, tip_matrix, units
 from parflex.mechanics.derivatives.changes import Load
 from parflex.mechanics.derivatives.sensitivity import direct_sensitivity
 from parflex.mechanics.legs.base import LegGroup
@@ -29,7 +29,7 @@ class Statics(NamedTuple):
     system: System
     x: Array  # the flat state
     scale: Array  # (6 + N + z,)
-    basis: Array  # (6 + N + z, d), orthonormal
+    basis: Array  # (6 + N + z, d), orthonormal, less what stretches stiff soft tips
     push: Array  # (d,), the forces along the motions without Γ
     drive: Array  # (d, m), those of Γ
 
@@ -42,13 +42,61 @@ class Statics(NamedTuple):
 def statics(mechanism: Mechanism, x: Array, load: Load) -> Statics:
     """The statics at a flat state at rest, under a generalised force (6 + N,) on the platform."""
     system, scale = assembly.assembled(mechanism, x), scales(mechanism)
-    basis = null_space(closure_matrix(system) * scale)
+    basis = eased(system, scale, null_space(closure_matrix(system) * scale))
     T = scale[:, None] * basis
     of_platform = load(system.x) - join([system.platform.c_r, system.platform.c_e])
     of_legs = [-merged(leg.c) for leg in system.legs]
     return Statics(
         system, x, scale, basis, T.T @ join([of_platform, *of_legs]), (actuated_rows(mechanism) @ T).T
     )
+
+
+def eased(system: System, scale: Array, basis: Array) -> Array:
+    """The basis (6 + N + z, d) turned, and made shorter where it stretches soft tips more stiffly than the
+    softest mode, or the softest of them, is bent; as it is without soft tips."""
+    mechanism = system.mechanism
+    if not mechanism.soft:
+        return basis
+    _, lengths, turned = np.linalg.svd(stretched(system) * scale @ basis)
+    stiff = firmness(mechanism)
+    soft = np.sqrt(np.min(stiff[stiff > 0], initial=np.inf) * mechanism.platform.body.moments.m)
+    least = min(soft, np.min(lengths[lengths > 1e-9 * np.max(lengths, initial=0.0)], initial=np.inf))
+    shorter = np.ones(len(turned))
+    shorter[: len(lengths)] = np.where(lengths > least, least / np.where(lengths > 0, lengths, 1.0), 1.0)
+    found: Array = (basis @ turned.T) * shorter
+    return found
+
+
+def stretched(system: System) -> Array:
+    """√K_t ∂g (3 s, 6 + N + z) of the soft tips, one below the other, in N^½ m^½ per motion."""
+    G, first = tip_matrix(system), 0
+    found = [np.zeros((0, G.shape[-1]))]
+    for leg in system.legs:
+        group = leg.group
+        places = list(np.ndindex(group.attachments.shape))
+        for at, place in enumerate(places, start=first):
+            if group.flexures is not None and group.soft[place[1]]:
+                values, axes = np.linalg.eigh(group.flexures.translation[place])
+                rows = axes.T @ system.sections.turn[at].T @ G[3 * at : 3 * at + 3]
+                found.append(np.sqrt(np.maximum(values, 0.0))[:, None] * rows)
+        first += len(places)
+    return np.concatenate(found)
+
+
+def loose_twist(at: Statics) -> Array | None:
+    """A twist (6,), largest entry 1, of the platform that its tips, soft ones with their stiffness, do not
+    hold while the legs stand; None where there is none, or no tip is soft."""
+    mechanism = at.system.mechanism
+    if not mechanism.soft:
+        return None
+    lengths = np.repeat([1.0, 1.0 / mechanism.size], 3)
+    rows = np.concatenate([closure_matrix(at.system), stretched(at.system)])[:, :6] * lengths
+    sizes = np.linalg.norm(rows, axis=1, keepdims=True)
+    free = null_space(rows / np.where(sizes > 0, sizes, 1.0))
+    if not free.shape[1]:
+        return None
+    twist: Array = lengths * free[:, 0]
+    return twist / np.max(np.abs(twist))
 
 
 def scales(mechanism: Mechanism) -> Array:

@@ -97,6 +97,14 @@ def lapack_solve(a: Array, b: Array) -> Array:
         return np.where(bad, np.nan, np.linalg.solve(np.where(bad, np.eye(a.shape[-1]), a), b))
 
 
+def root(a: Array) -> Array:
+    """√a, of symbols too, some of which may be numbers."""
+    if a.dtype != object:
+        return np.asarray(np.sqrt(a))
+    each_root = np.frompyfunc(lambda v: v.sqrt() if hasattr(v, "sqrt") else math.sqrt(v), 1, 1)
+    return np.asarray(each_root(a), dtype=object)
+
+
 def solve_definite(a: Array, b: Array, step: int = 1) -> Array:
     """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c).
 

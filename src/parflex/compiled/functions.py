@@ -75,7 +75,8 @@ class Functions:
     def solvable(self) -> Mechanism:
         """The mechanism at these values, with the rows of its closure that the models solve."""
         first = self._solvable
-        return replace(self.mechanism, rows=first.rows, rows_unbent=first.rows_unbent)
+        rows = {name: getattr(first, name) for name in ("rows", "rows_stiff", "rows_unbent")}
+        return replace(self.mechanism, **rows)
 
     @cached_property
     def _solvable(self) -> Mechanism:

@@ -18,10 +18,20 @@ Damping3x3 = Annotated[list[Annotated[list[Annotated[float, Measure(kinds.ANGULA
 Dampings = Annotated[
     Annotated[Damping, Tag("one")] | Annotated[Damping3x3, Tag("each")], Discriminator(several)
 ]
+Linear = Annotated[float, Measure(kinds.LINEAR_STIFFNESS, NOT_NEGATIVE)]
+Linear3x3 = Annotated[list[Annotated[list[Annotated[float, Measure(kinds.LINEAR_STIFFNESS)]], THREE]], THREE]
+LinearDamping = Annotated[float, Measure(kinds.LINEAR_DAMPING, NOT_NEGATIVE)]
+LinearDamping3x3 = Annotated[
+    list[Annotated[list[Annotated[float, Measure(kinds.LINEAR_DAMPING)]], THREE]], THREE
+]
+LinearDampings = Annotated[
+    Annotated[LinearDamping, Tag("one")] | Annotated[LinearDamping3x3, Tag("each")], Discriminator(several)
+]
+SOFT = ("axial", "shear", "translation")
 
 
 class FlexureTable(Table):
-    """A spring, a damper and friction against the turning of a tip."""
+    """A spring, a damper and friction against the turning of a tip, and springs that let it off its point."""
 
     bending: Stiffness | None = Field(None, description="stiffness across the strut's direction at home")
     torsion: Stiffness | None = Field(None, description="stiffness about the strut's direction at home")
@@ -38,10 +48,31 @@ class FlexureTable(Table):
     rest: Rotation | None = Field(
         None, description="of the leg's section in the platform's, unloaded; by default that at home"
     )
+    axial: Linear | None = Field(
+        None,
+        description="of a soft tip, which may leave its point: stiffness along the strut's direction",
+    )
+    shear: Linear | None = Field(None, description="stiffness of a soft tip across that direction")
+    translation: Linear3x3 | None = Field(
+        None, description="instead of both, in the axes of the platform's section"
+    )
+    translation_damping: LinearDampings | None = Field(
+        None, description="of a soft tip, alike in all directions, or in the same axes"
+    )
 
     @model_validator(mode="after")
     def _one_way(self) -> "FlexureTable":
         about = [name for name in ("bending", "torsion") if getattr(self, name) is not None]
         if self.stiffness is not None and about:
             raise InputError(f"gives stiffness and {about[0]}; keep one of them")
+        soft = [name for name in SOFT if getattr(self, name) is not None]
+        if "translation" in soft and len(soft) > 1:
+            raise InputError(f"gives translation and {soft[0]}; keep one of them")
+        if soft in (["axial"], ["shear"]):
+            other = "shear" if soft == ["axial"] else "axial"
+            raise InputError(f"gives {soft[0]} without {other}; a soft tip has both: give {other} too, or 0")
+        if self.translation_damping is not None and not soft:
+            raise InputError(
+                "gives translation_damping, but its tip is not soft; give axial and shear stiffness too"
+            )
         return self

@@ -22,22 +22,36 @@ SLIDES = np.array([0.0, 0.0, 1.0])
 
 def flexure_of(table: FlexureTable, axis: Array | None = None) -> Flexure:
     """The flexure of a table; its bending and torsion are about an axis (3,) in the axes of the platform's
-    section, before it is known about any."""
+    section, axial and shear stiffness along and across it, before it is known about any."""
     n = SLIDES if axis is None else axis
     about = Flexure.about(n, bending=table.bending or 0.0, torsion=table.torsion or 0.0)
-    damping = np.asarray(table.damping, dtype=float)
     return Flexure(
         about.stiffness if table.stiffness is None else table.stiffness,
-        damping if damping.ndim else damping * np.eye(3),
+        square(table.damping),
         table.friction,
         table.friction_speed,
         None if table.rest is None else rotation_of(table.rest),
+        translation_of(table, n),
+        None if table.translation_damping is None else square(table.translation_damping),
     )
 
 
+def translation_of(table: FlexureTable, n: Array) -> Any:
+    """K_t (3, 3) of a soft tip along and across an axis (3,); None where the tip is not soft."""
+    if table.axial is None or table.shear is None:
+        return table.translation
+    return Flexure.about(n, bending=table.shear, torsion=table.axial).stiffness
+
+
+def square(damping: Any) -> Array:
+    """A damping that is alike in all directions, or (3, 3), as (3, 3)."""
+    array = np.asarray(damping, dtype=float)
+    return array if array.ndim else array * np.eye(3)
+
+
 def needs_direction(table: FlexureTable) -> bool:
-    """True where bending and torsion differ."""
-    return (table.bending or 0.0) != (table.torsion or 0.0)
+    """True where bending and torsion differ, or axial and shear stiffness."""
+    return (table.bending or 0.0) != (table.torsion or 0.0) or table.axial != table.shear
 
 
 def at_home(table: FlexureTable, leg: Leg, tip: Tip, q: Array, platform: Array) -> Tip:
@@ -78,8 +92,8 @@ def strut_direction(joints: Sequence[Joint], tip: Tip) -> Array:
     if tip.frame and joints[tip.frame - 1].sigma:
         return SLIDES
     raise InputError(
-        f"bending and torsion differ, but the tip is at the origin of frame {tip.frame}, so that its strut "
-        f"has no direction; give stiffness as a matrix"
+        f"stiffness differs along and across the strut, but the tip is at the origin of frame {tip.frame}, "
+        f"so that its strut has no direction; give stiffness and translation as matrices"
     )
 
 
@@ -95,4 +109,7 @@ def flexure_entries(flexure: Flexure) -> dict[str, Any]:
         for name, value in values.items()
         if repr(value) != repr(np.asarray(getattr(plain, name)).tolist())
     }
-    return given if flexure.rest is None else given | {"rest": np.asarray(flexure.rest).tolist()}
+    for name in ("rest", "translation", "translation_damping"):
+        if getattr(flexure, name) is not None:
+            given[name] = np.asarray(getattr(flexure, name)).tolist()
+    return given

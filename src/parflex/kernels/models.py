@@ -34,7 +34,7 @@ ANSWER = ("platform", "elastic", "contact", "health")
 
 def moved(system: assembly.System, found: dynamics.Acceleration) -> Vectors:
     """Accelerations and contact forces, these in the order of the legs, and the legs' health."""
-    contact = found.contact[..., system.mechanism.contact_order]
+    contact = assembly.tip_forces(system, found.contact)[..., system.mechanism.contact_order]
     return {
         "platform": found.platform,
         "elastic": found.elastic,

@@ -66,7 +66,7 @@ def motion(
         forces, found, memory_rate = Driven(*law(system, time[..., 0], join([row, remembered]), load))
         moved = motion_of(system, x, forces, load, found)
         moved["rate"] = join([moved["rate"], memory_rate])
-        contact = found.contact[..., mechanism.contact_order]
+        contact = assembly.tip_forces(system, found.contact)[..., mechanism.contact_order]
         return {"forces": forces, "contact": contact} | moved | {"health": assembly.health(system)}
 
     outputs = ("forces", "rate", "powers", "contact", "health")

@@ -126,16 +126,24 @@ def units(mechanism: Mechanism, freedom: Freedom) -> Array:
 
 
 def closure_matrix(system: System) -> Array:
-    """[−Wᵀ J] (…, 3k, 6 + N + z)."""
+    """The rows (…, r, 6 + N + z) of [−Wᵀ J] of the tips that are not soft."""
+    G = tip_matrix(system)
+    return G[..., system.mechanism.firm, :] if system.mechanism.soft else G
+
+
+def tip_matrix(system: System) -> Array:
+    """[−Wᵀ J] (…, 3k, 6 + N + z), of all tips."""
     J = diagonal([block_diagonal(leg.J) for leg in system.legs])
     return block([[-transpose(system.W_p), -transpose(system.W_e), J]])
 
 
 def gaps(system: System, rate: bool = False) -> Array:
-    """The vectors from the platform's points to the tips (…, 3k), or their rates; zero for closed legs."""
+    """The vectors from the platform's points to the tips (…, r) that are not soft, or their rates; zero for
+    closed legs."""
     parts = [np.zeros(0)]
     for leg in system.legs:
         gap = leg.gap_rate if rate else leg.gap
+        gap = gap[..., leg.group.firm]
         parts.append(merged(0.0 * gap if leg.group.closed else gap))
     return join(parts)
 

@@ -67,22 +67,27 @@ def loaded(system: System, contact: Contact, wrench: Array) -> Contact:
 
 
 def contact_forces(mechanism: Mechanism, C: Array, columns: Array) -> Array:
-    """f (…, 3k, c) with C f = columns (…, 3k, c): of least norm where rows depend on others.
+    """f (…, 3k, c) with C f = columns: zero at soft tips, of least norm where rows depend on others.
 
     Dependent rows are D times the independent ones, D = C_ds C_ss⁻¹, so that (f_s, f_d) acts as
     f_s + Dᵀ f_d; the shortest pair with the same action has f_d = D f_s.
     """
-    kept, dropped, order = mechanism.solved_rows
-    if not len(dropped):
+    kept, dropped, released, order = mechanism.solved_rows
+    if len(kept) == C.shape[-1]:
         return solve_definite(C, columns, 3)  # axis by axis the tips are alike
-    C_s = C[..., kept, :]
+    if not len(kept):
+        return 0.0 * columns
+    C_s, none = C[..., kept, :], 0.0 * columns[..., released, :]
+    if not len(dropped):
+        f = solve_definite(C_s[..., kept], columns[..., kept, :], 3)
+        return np.concatenate([f, none], axis=-2)[..., order, :]
     right = np.concatenate([columns[..., kept, :], C_s[..., dropped]], axis=-1)
     solved = solve_definite(C_s[..., kept], right)
     count = columns.shape[-1]
     f, D = solved[..., :count], transpose(solved[..., count:])
     excess = solve_definite(np.eye(len(dropped)) + D @ transpose(D), D @ f)
     f = f - transpose(D) @ excess
-    return np.concatenate([f, D @ f], axis=-2)[..., order, :]
+    return np.concatenate([f, D @ f, none], axis=-2)[..., order, :]
 
 
 class LegContacts(NamedTuple):

@@ -38,8 +38,11 @@ def dissipation(system: System) -> Array:
                 ed = chain.bend_of(c, leg.zd[..., c.n :], j)
                 lost = lost + np.sum(link.damping * ed * ed, axis=(-2, -1))
         if group.flexures is not None:
-            against = flexures.resistance(group.flexures, leg.spin)
-            lost = lost + np.sum(dot(leg.spin, against), axis=(-2, -1))
+            spin, rate = leg.flexed.spin, leg.flexed.stretch_rate
+            lost = lost + np.sum(dot(spin, flexures.resistance(group.flexures, spin)), axis=(-2, -1))
+            if any(group.soft):
+                against = mv(group.flexures.translation_damping, rate)
+                lost = lost + np.sum(dot(rate, against), axis=(-2, -1))
     return lost
 
 
@@ -79,7 +82,10 @@ def energies(system: System) -> Energies:
                 e = chain.bend_of(group.chain, leg.joints.bend, j)
                 strain = strain + 0.5 * np.sum(link.stiffness * e * e, axis=(-2, -1))
         if group.flexures is not None:
-            springs = springs + np.sum(flexures.energy(group.flexures, leg.bending), axis=-1)
+            springs = springs + np.sum(flexures.energy(group.flexures, leg.flexed.bending), axis=-1)
+            if any(group.soft):
+                stretched = flexures.stretch_energy(group.flexures, leg.flexed.stretch)
+                springs = springs + np.sum(stretched, axis=-1)
     return Energies(kinetic, weight, strain, springs)
 
 

@@ -29,6 +29,8 @@ LegJoints = tuple[Array | None, ...]
 def flat_state(mechanism: Mechanism, state: State) -> Array:
     """The flat state (…, size); joints that it carries are closed by Newton's method.
 
+    Soft tips are closed too, and do not move off, where the state does not name a leg's joints or rates.
+
     Raises InputError where the state does not fit the robot, or its joints are on another branch.
     """
     layout = mechanism.layout
@@ -36,6 +38,7 @@ def flat_state(mechanism: Mechanism, state: State) -> Array:
     check_joints(mechanism.robot, state)
     if any(layout.joints):
         x = on_base(mechanism, pack(started(mechanism.robot, state), layout))
+        x = unstretched(mechanism, x, state) if mechanism.soft else x
         x = with_rates(mechanism, closed(mechanism, x, JOINTS)[0], JOINTS)
     else:
         x = on_base(mechanism, pack(state, layout))
@@ -53,6 +56,51 @@ def on_base(mechanism: Mechanism, x: Array) -> Array:
     broadcast_together(state=x, base=base.position)
     batch = np.broadcast_shapes(x.shape[:-1], base.position.shape[:-1])
     return np.broadcast_to(x, (*batch, x.shape[-1]))
+
+
+def unstretched(mechanism: Mechanism, x: Array, state: State) -> Array:
+    """The flat state with soft tips closed by the joints of legs for which a state names none, and staying as
+    far off by the rates of legs for which it names none.
+
+    The legs' own geometry finds these joints; a leg that cannot reach keeps those of `x`.
+    """
+    layout, soft, x = (
+        mechanism.layout,
+        [leg.soft for leg in mechanism.robot.legs],
+        x + 0.0,
+    )
+    nothing = (None,) * len(soft)
+    open_legs, open_rates = (
+        [number for number, given in enumerate(named or nothing) if soft[number] and given is None]
+        for named in (state.joints, state.joint_rates)
+    )
+    if open_legs:
+        firm = [None if off else q for off, q in zip(soft, state.joints or nothing, strict=True)]
+        tight = replace(mechanism.tight, base=mechanism.base)
+        held = flat_state(tight, replace(state, joints=tuple(firm), joint_rates=None))
+        found = joints_of(examined(tight, held)[0]).q
+        for number in open_legs:
+            place, q = layout.at.joints.start + of(layout.by_leg[0][number]), found[number]
+            x[..., place] = np.where(np.isfinite(q), q, x[..., place])
+    if open_rates:
+        held = with_rates(shut(mechanism), x, JOINTS)
+        for number in open_rates:
+            place = layout.at.joint_rates.start + of(layout.by_leg[0][number])
+            x[..., place] = held[..., place]
+    return x
+
+
+def of(part: slice) -> Array:
+    """The places of a slice."""
+    return np.arange(part.start, part.stop)
+
+
+def shut(mechanism: Mechanism) -> Mechanism:
+    """The mechanism whose soft tips hold the platform as others do; itself without soft tips."""
+    if not mechanism.soft:
+        return mechanism
+    groups = tuple(group._replace(soft=(False,) * len(group.soft)) for group in mechanism.groups)
+    return replace(mechanism, groups=groups)
 
 
 def state_of(mechanism: Mechanism, x: Array) -> State:

@@ -3,7 +3,8 @@
 With Q = R_secᵀ R_leg R_restᵀ the rotation from rest, θ = 2 tan(φ/2) n = 2 axial(Q) / (1 + tr Q) is rational,
 the energy is ½ θᵀ K θ, and the moment on the platform in the axes of its section is
 m = Gᵀ K θ + D ω + μ ω/√(ω² + v²) with G = 1 − ½ θ̂ + ¼ θ θᵀ and ω the angular velocity of the leg's section
-relative to the platform's.
+relative to the platform's. A soft tip, which may leave the platform's point by g (in the section's axes),
+draws both together with K_t g + D_t ġ.
 """
 
 import math
@@ -11,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, dot, mtv, mv, outer, skew, trace, transpose
+from parflex.base.array import Array, cross, dot, mtv, mv, outer, skew, trace, transpose
 from parflex.base.spatial import axial, cayley
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Leg
@@ -28,6 +29,8 @@ class Flexures(NamedTuple):
     friction_speed: Array  # (L, t)
     rest: Array  # (L, t, 3, 3)
     given: Array  # (L, t), where the rest is given; elsewhere it is that at home
+    translation: Array  # (L, t, 3, 3); (L, 0, 3, 3) where no tip is soft
+    translation_damping: Array
 
 
 class Sections(NamedTuple):
@@ -45,6 +48,9 @@ def flexures_of(leg: Leg) -> Flexures | None:
         return None
     every = [Flexure() if tip.flexure is None else tip.flexure for tip in leg.tips]
     rests = [np.eye(3) if flexure.rest is None else flexure.rest for flexure in every]
+    soft = every if any(flexure.soft for flexure in every) else []
+    springs = [flexure.translation if flexure.soft else np.zeros((3, 3)) for flexure in soft]
+    dampers = [flexure.translation_damping if flexure.soft else np.zeros((3, 3)) for flexure in soft]
     return Flexures(
         stiffness=np.array([[flexure.stiffness for flexure in every]]),
         damping=np.array([[flexure.damping for flexure in every]]),
@@ -52,6 +58,8 @@ def flexures_of(leg: Leg) -> Flexures | None:
         friction_speed=np.array([[flexure.friction_speed for flexure in every]]),
         rest=np.array([rests]),
         given=np.array([[flexure.rest is not None for flexure in every]]),
+        translation=np.array(springs).reshape((1, -1, 3, 3)),
+        translation_damping=np.array(dampers).reshape((1, -1, 3, 3)),
     )
 
 
@@ -98,6 +106,23 @@ def resistance(flexures: Flexures, spin: Array) -> Array:
     slow = flexures.friction_speed * flexures.friction_speed
     share = flexures.friction / np.sqrt(dot(spin, spin) + slow)
     return mv(flexures.damping, spin) + share[..., None] * spin
+
+
+def stretches(turn: Array, spin: Array, gap: Array, gap_rate: Array) -> tuple[Array, Array]:
+    """g and ġ of tips in the axes `turn` of the platform's sections, which turn with the angular velocity
+    `spin`; the gap and the velocity of the tip against the platform's point are in the axes in which `turn`
+    is given."""
+    return mtv(turn, gap), mtv(turn, gap_rate - cross(spin, gap))
+
+
+def pulls(flexures: Flexures, stretch: Array, stretch_rate: Array) -> Array:
+    """K_t g + D_t ġ (…, L, t, 3) on the platform, in the axes of its sections; of soft tips."""
+    return mv(flexures.translation, stretch) + mv(flexures.translation_damping, stretch_rate)
+
+
+def stretch_energy(flexures: Flexures, stretch: Array) -> Array:
+    """½ gᵀ K_t g (…, L), of all tips of each leg."""
+    return 0.5 * np.sum(dot(stretch, mv(flexures.translation, stretch)), axis=-1)
 
 
 def energy(flexures: Flexures, theta: Array) -> Array:

@@ -5,11 +5,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, join, merged, mtv, mv, split, stack, transpose
+from parflex.base.array import Array, cross, join, merged, mtv, mv, split, stack, transpose
 from parflex.base.unroll import solve_definite
 from parflex.mechanics import chain, joint_forces, recursion
 from parflex.mechanics.chain import Frames, Point
-from parflex.mechanics.flexures import bent_angle, from_rest, moments, openness, relative_spin
+from parflex.mechanics.flexures import (
+    bent_angle,
+    from_rest,
+    moments,
+    openness,
+    pulls,
+    relative_spin,
+    stretches,
+)
 from parflex.mechanics.floor import under_legs
 from parflex.mechanics.inertia import inertia_matrix
 from parflex.mechanics.legs.alike import each_leg
@@ -17,6 +25,21 @@ from parflex.mechanics.legs.base import LegGroup
 from parflex.robot.layout import Coordinates
 
 EMPTY: Any = ()  # a tree without arrays
+
+
+class OfFlexures(NamedTuple):
+    """What the flexures at the tips of L legs do, and where they are; all (…, L, 0, c) without flexures, and
+    the last three where no tip is soft."""
+
+    bending: Array  # θ (…, L, t, 3)
+    spin: Array  # ω (…, L, t, 3) of the legs' sections relative to the platform's, in the axes of these
+    moment: Array  # (…, L, t, 3) on the platform at its points, in Σp
+    open: Array  # (…, L, t), of order 1; not positive where a flexure is nearly turned about
+    stretch: (
+        Array  # g (…, L, t, 3) of soft tips, in the axes of the platform's sections; of others it is idle
+    )
+    stretch_rate: Array  # ġ
+    pull: Array  # (…, L, t, 3) of soft tips on the platform, in Σp; it acts where the tip is
 
 
 class LegTerms(NamedTuple):
@@ -39,15 +62,20 @@ class LegTerms(NamedTuple):
     R_ip: Array  # (…, L, 1, 3, 3), axes of Σp in Σ0i
     place: Array  # (…, L, t, 3), where the platform has the tips, in Σ0i
     velocity: Array  # (…, L, t, 3)
-    bending: Array  # θ (…, L, t, 3) of the flexures at the tips; (…, L, 0, 3) without flexures
-    spin: Array  # ω (…, L, t, 3) of the legs' sections relative to the platform's, in the axes of these
-    moment: Array  # (…, L, t, 3), of the flexures on the platform, in Σp
-    open: Array  # (…, L, t), of order 1; not positive where a flexure is nearly turned about; (…, L, 0)
+    flexed: OfFlexures
 
     @property
     def qd(self) -> Array:
         """Joint rates (…, L, n)."""
         return self.zd[..., : self.joints.cos.shape[-1]]
+
+    @property
+    def twist(self) -> Array:
+        """The moments (…, L, t, 3) of the flexures on the platform that the tips themselves take, in Σp."""
+        moment, pull = self.flexed.moment, self.flexed.pull
+        if not any(self.group.soft):
+            return moment
+        return moment - cross(self.gap.reshape(pull.shape), pull)
 
     @property
     def bent(self) -> Frames:
@@ -103,13 +131,18 @@ def terms_of(
     J_p = np.concatenate([R_pi @ part for part in J], axis=-2)
     A = np.broadcast_to(inertia_matrix(c, frames), (*legs, c.size, c.size))
     bias = recursion.inverse_dynamics(c, frames, motions, zd, rest) + joint_forces.passive(c, joints, zd)
-    of_flexures = [*[place[..., :0, :]] * 3, place[..., :0, 0]]
+    gap_rate = mv(J_p, zd) - v
+    none = place[..., :0, :]
+    of_flexures = OfFlexures(none, none, none, none[..., 0], none, none, none)
     if group.flexures is not None:
-        pull, *of_flexures = flexed(group, frames, tips, zd, R_ip, section)
-        bias = bias + pull
+        apart = Apart(J_p, gap, gap_rate)
+        turning, of_flexures = flexed(group, frames, tips, zd, R_ip, section, apart)
+        bias = bias + turning
+        if any(group.soft):
+            bias = bias + mtv(J_p, merged(of_flexures.pull))
     reach, regularity = (np.broadcast_to(a, legs) for a in group.type.margins(group, joints, place))
-    moved = (zd, A, bias, J_p, Jdqd, gap, mv(J_p, zd) - v, reach, regularity)
-    stand = (branch, R_ip, place, velocity, *of_flexures)
+    moved = (zd, A, bias, J_p, Jdqd, gap, gap_rate, reach, regularity)
+    stand = (branch, R_ip, place, velocity, of_flexures)
     return LegTerms(EMPTY, joints, frames._replace(seats=[], bodies=[]), *moved, *stand)
 
 
@@ -158,11 +191,28 @@ def tips_of(
     return np.concatenate(Jdqd, axis=-1), np.concatenate(gap, axis=-1)
 
 
+class Apart(NamedTuple):
+    """The tips against the platform's points, in Σp: J (…, L, 3t, z), the gaps and their rates (…, L, 3t)."""
+
+    J: Array
+    gap: Array
+    gap_rate: Array
+
+
 def flexed(
-    group: LegGroup, frames: Frames, tips: Sequence[Point], zd: Array, R_ip: Array, section: Array
-) -> tuple[Array, ...]:
-    """The pull (…, L, z) of the flexures at the legs; θ, ω and moments on the platform in Σp (…, L, t, 3),
-    and how far they are open (…, L, t)."""
+    group: LegGroup,
+    frames: Frames,
+    tips: Sequence[Point],
+    zd: Array,
+    R_ip: Array,
+    section: Array,
+    apart: Apart,
+) -> tuple[Array, OfFlexures]:
+    """The generalised forces (…, L, z) by which the flexures' moments hold the legs, and what they do.
+
+    R_ip takes vectors in the axes of `section` and `apart` to Σ0i. A soft tip's force acts at the tip, so
+    that it has a moment about the platform's point.
+    """
     assert group.flexures is not None, "legs without flexures have none of this"
     C, spin = split(section.reshape(section.shape[:-1] + (len(tips), 12)), [(3, 3), (3,)])
     R_leg = stack([chain.tip_rotation(frames, tip) for tip in tips], axis=-3)
@@ -172,7 +222,14 @@ def flexed(
     theta, opening = bent_angle(Q), openness(group.flexures, Q)
     omega = relative_spin(C, mv(J_r, zd[..., None, :]), spin)
     moment = mv(C, moments(group.flexures, theta, omega))
-    return np.sum(mtv(J_r, moment), axis=-2), theta, omega, moment, opening
+    turning = np.sum(mtv(J_r, moment), axis=-2)
+    if not any(group.soft):
+        return turning, OfFlexures(theta, omega, moment, opening, *[theta[..., :0, :]] * 3)
+    gap, gap_rate = (part.reshape(theta.shape) for part in (apart.gap, apart.gap_rate))
+    stretch, stretch_rate = stretches(C, spin, gap, gap_rate)
+    pull = mv(C, pulls(group.flexures, stretch, stretch_rate))
+    moment = moment + cross(gap, pull)
+    return turning, OfFlexures(theta, omega, moment, opening, stretch, stretch_rate, pull)
 
 
 def leg_response(group: LegGroup, A: Array, pulls: Array) -> Array:

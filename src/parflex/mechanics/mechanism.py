@@ -1,21 +1,18 @@
 """A robot as the mechanics reads it: legs gathered, tables side by side, and the orders that undo this."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.chain import Chain, chain_of, joined
-from parflex.mechanics.flexures import Flexures, flexures_of
 from parflex.mechanics.floor import Base
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
-from parflex.mechanics.legs.base import regular, settled
+from parflex.mechanics.legs.gathered import alone, side_by_side
 from parflex.mechanics.platform import Platform, platform_of
 from parflex.robot.layout import Layout, spans
-from parflex.robot.leg import Leg
 from parflex.robot.robot import Robot
 
 
@@ -48,10 +45,12 @@ class Health(NamedTuple):
 
 
 class Rows(NamedTuple):
-    """Closure rows by number: independent ones, those that depend on them, and the way back."""
+    """Closure rows by number: independent ones, those that depend on them, those of soft tips, where no force
+    is sought, and the way back."""
 
     kept: Array
     dropped: Array
+    released: Array
     order: Array
 
 
@@ -101,8 +100,33 @@ class Mechanism:
         return Layout(self.platform.modes, tuple(joints), tuple(sorted(branched)), tuple(elastic))
 
     @cached_property
+    def soft(self) -> bool:
+        """True where a tip is soft."""
+        return any(any(group.soft) for group in self.groups)
+
+    @property
+    def gives(self) -> bool:
+        """True where a link or a tip gives between motors and platform."""
+        return self.soft or bool(np.any(self.bends))
+
+    @cached_property
+    def firm(self) -> Array:
+        """The rows of the closure, of 3 for each tip group by group, that tips have which are not soft."""
+        soft = np.concatenate([np.zeros(0, dtype=bool), *(np.tile(g.soft, len(g.legs)) for g in self.groups)])
+        return np.flatnonzero(np.repeat(~soft, 3))
+
+    @cached_property
+    def tight(self) -> "Mechanism":
+        """The mechanism of the robot whose soft tips hold the platform: its legs may close by themselves."""
+        legs = []
+        for leg in self.robot.legs:
+            tips = [replace(tip, flexure=None) if tip.soft else tip for tip in leg.tips]
+            legs.append(replace(leg, tips=tips))
+        return mechanism_of(replace(self.robot, legs=legs))
+
+    @cached_property
     def closed(self) -> bool:
-        """True where every state is on the closure: each tip is where the platform has it by itself."""
+        """True where every state is on the closure: each tip is soft, or at its point by itself."""
         return all(group.closed for group in self.groups)
 
     @cached_property
@@ -167,11 +191,11 @@ class Mechanism:
     @cached_property
     def health(self) -> Health:
         """The places of reach, regularity, flexures and gaps of the legs in `system.health`."""
-        gaps = [n for g in self.groups if not g.closed for n in np.repeat(g.legs, 3 * len(g.tip_frames))]
-        soft = [n for g in self.groups if g.flexures for n in np.repeat(g.legs, len(g.tip_frames))]
-        parts = spans(len(self.legs), len(self.legs), len(soft), len(gaps), len(gaps))
+        gaps = [n for g in self.groups if not g.closed for n in np.repeat(g.legs, len(g.firm))]
+        flexed = [n for g in self.groups if g.flexures for n in np.repeat(g.legs, len(g.tip_frames))]
+        parts = spans(len(self.legs), len(self.legs), len(flexed), len(gaps), len(gaps))
         reach, regularity, opening, gap, gap_rate = parts
-        numbers = [np.array(each, dtype=int) for each in (soft, gaps)]
+        numbers = [np.array(each, dtype=int) for each in (flexed, gaps)]
         orders = [np.argsort(each, kind="stable") for each in (self.legs, *numbers)]
         legs = [np.sort(each) for each in numbers]
         return Health(reach, regularity, opening, gap, gap_rate, *orders, *legs)
@@ -230,70 +254,3 @@ def mechanism_of(robot: Robot, leg_types: Sequence[LegType] = ALL_LEG_TYPES) -> 
         gathered.setdefault((group.type.name, leg.structure, group.branched.size), []).append(group)
     groups = tuple(side_by_side(groups) for groups in gathered.values())
     return Mechanism(robot, groups, platform_of(robot.platform), np.asarray(robot.gravity))
-
-
-def alone(number: int, leg: Leg, leg_types: Sequence[LegType]) -> LegGroup:
-    """A group of one leg, of the first type that knows it; its entries in Γ, q and the branches from 0."""
-    n, chain = len(leg.joints), chain_of(leg)
-    actuated = tuple(j for j, joint in enumerate(leg.joints) if joint.mu)
-    none = np.zeros((1, 0), dtype=int)
-    bare = LegGroup(
-        type=leg_types[-1],
-        legs=(number,),
-        chain=chain,
-        rotation=np.asarray(leg.rotation)[None],
-        origin=np.asarray(leg.origin)[None],
-        tip_frames=tuple(tip.frame - 1 for tip in leg.tips),
-        tip_seats=leg.seats.tips,
-        offsets=np.array([[tip.offset for tip in leg.tips]]),
-        attachments=np.array([[tip.attachment for tip in leg.tips]]),
-        actuated=actuated,
-        S=selection(chain, actuated),
-        forces=np.arange(len(actuated))[None],
-        posture=np.zeros((1, n)) if leg.posture is None else np.asarray(leg.posture)[None],
-        branch=np.ones(1),
-        branched=none,
-        kept=(),
-        carried=none,
-        flexures=flexures_of(leg),
-    )
-    anywhere = np.random.default_rng(0).uniform(-1, 1, (1, n))
-    for known in leg_types:
-        kept = range(0 if known.carries else n, leg.size)
-        group = bare._replace(type=known, kept=tuple(kept), carried=np.arange(len(kept))[None])
-        if not known.recognises(leg) or not regular(group, anywhere if leg.posture is None else bare.posture):
-            continue
-        if known.carries:
-            return group
-        if leg.posture is None:
-            return group._replace(branched=np.zeros((1, 1), dtype=int)) if known.two_branches else group
-        if (on_branch := settled(group)) is not None:
-            return on_branch
-    raise AssertionError("the last leg type takes every leg")
-
-
-def selection(chain: Chain, actuated: Sequence[int]) -> Array:
-    """S (z, actuated): Γ_i = [0 0 Γ_3i]ᵀ for a leg that drives its third joint; a drive that gives takes the
-    force of its motor with the opposite sign."""
-    S = np.eye(chain.size)[:, list(actuated)]  # Eq. 8
-    drives = chain.size - len(chain.drives)
-    for place, j in enumerate(chain.drives):
-        S[drives + place, list(actuated).index(j)] = -1.0
-    return S
-
-
-def side_by_side(groups: list[LegGroup]) -> LegGroup:
-    """Groups of one type and equal structure as one."""
-    first = groups[0]
-    if len(groups) == 1:
-        return first
-    tables = {name: value for name, value in first._asdict().items() if name != "S"}
-    arrays = [name for name, value in tables.items() if isinstance(value, np.ndarray)]
-    together = {name: np.concatenate([getattr(group, name) for group in groups]) for name in arrays}
-    chain = joined([group.chain for group in groups])
-    legs = tuple(number for group in groups for number in group.legs)
-    same: dict[str, Any] = {**together, "chain": chain, "legs": legs}
-    held = [group.flexures for group in groups if group.flexures is not None]
-    if held:
-        same["flexures"] = Flexures(*(np.concatenate(tables) for tables in zip(*held, strict=True)))
-    return first._replace(**same)

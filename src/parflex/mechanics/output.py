@@ -26,6 +26,11 @@ THROUGH_DRIVES = (
     "and do not swing"
 )
 
+THROUGH_SOFT_TIPS = (
+    "soft tips give between motors and platform, which forces do not accelerate at once: take "
+    "output=JointOutput(), the accelerations of the actuated joints"
+)
+
 Moved = tuple[Array, Array]  # V̇_p and q̈_e, (…, 6, c) and (…, N, c)
 
 

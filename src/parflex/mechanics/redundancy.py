@@ -6,8 +6,8 @@ import numpy as np
 
 from parflex.base.array import Array, mv
 from parflex.base.errors import OutOfReach
-from parflex.mechanics.closure import ALL, POSE, closed, closure_matrix, displaced, units
-from parflex.mechanics.flat_state import flat_state
+from parflex.mechanics.closure import ALL, POSE, closed, displaced, tip_matrix, units
+from parflex.mechanics.flat_state import flat_state, shut
 from parflex.mechanics.mechanism import Mechanism, Rows
 from parflex.mechanics.rests import rested
 from parflex.mechanics.system import assembled, examined
@@ -17,6 +17,7 @@ from parflex.robot.robot import Robot
 # of a table on sliding columns, states closed to CLOSED are off by its square root, 3e-7
 DEPENDENT = 1e-6
 STATES = 4
+NONE = np.zeros(0, dtype=int)
 
 
 def with_rows(mechanism: Mechanism) -> Mechanism:
@@ -39,20 +40,21 @@ def closure_rows(mechanism: Mechanism) -> tuple[Rows, Rows, Rows]:
     Raises OutOfReach where the legs do not meet the platform at home.
     """
     count, bend = 3 * len(mechanism.attachments), mechanism.layout.displacements.elastic
-    if mechanism.closed:
+    if mechanism.closed and not mechanism.soft:
         every = rows_of(np.arange(count), count)
         return every, every, every
-    found = generic_matrices(mechanism)
+    found, firm = generic_matrices(mechanism), mechanism.firm
+    held = firm[most_independent([G[firm] for G in found])]
     stiff = [G * (units(mechanism, ALL) > 0) for G in found]
     unbent = [np.delete(G, bend, axis=1) for G in stiff]
-    rows, of_stiff, of_unbent = (rows_of(most_independent(each), count) for each in (found, stiff, unbent))
-    return rows, of_stiff, of_unbent
+    of_stiff, of_unbent = (rows_of(most_independent(each), count) for each in (stiff, unbent))
+    return rows_of(held, count, np.setdiff1d(np.arange(count), firm)), of_stiff, of_unbent
 
 
-def rows_of(kept: Array, count: int) -> Rows:
-    """The rows that are kept, of so many."""
-    dropped = np.setdiff1d(np.arange(count), kept)
-    return Rows(kept, dropped, np.argsort(np.concatenate([kept, dropped])))
+def rows_of(kept: Array, count: int, released: Array = NONE) -> Rows:
+    """The rows that are kept, of so many, some of which are those of soft tips."""
+    dropped = np.setdiff1d(np.arange(count), np.concatenate([kept, released]))
+    return Rows(kept, dropped, released, np.argsort(np.concatenate([kept, dropped, released])))
 
 
 def most_independent(matrices: list[Array]) -> Array:
@@ -62,12 +64,13 @@ def most_independent(matrices: list[Array]) -> Array:
 
 
 def generic_matrices(mechanism: Mechanism) -> list[Array]:
-    """[−Wᵀ J] at states on the closure near home."""
-    size, rng = mechanism.size, np.random.default_rng(0)
-    home = flat_state(mechanism, mechanism.robot.home)
-    home, gap = closed(mechanism, home, POSE)
-    if not gap <= 1e-9 * size:
-        home, gap = closed(mechanism, home, ALL)
+    """[−Wᵀ J] of all tips at states on the closure near home, soft tips closed where that can be."""
+    size, rng, tight = mechanism.size, np.random.default_rng(0), shut(mechanism)
+    start = flat_state(mechanism, mechanism.robot.home)
+    home, gap = closed_near(tight, start)
+    if mechanism.soft and not gap <= 1e-9 * size:
+        tight = mechanism
+        home, gap = closed_near(tight, start)
     if not gap <= 1e-9 * size:
         check_reach(mechanism)
         raise OutOfReach(
@@ -78,11 +81,17 @@ def generic_matrices(mechanism: Mechanism) -> list[Array]:
     found = []
     for part in np.linspace(0.02, 0.05, STATES):
         moved = displaced(mechanism, home, part * scale * rng.uniform(-1, 1, len(scale)))
-        x, gap = closed(mechanism, moved, POSE)
+        x, gap = closed(tight, moved, POSE)
         if not gap <= 1e-9 * size:
             x = home
-        found.append(closure_matrix(assembled(mechanism, x)))
+        found.append(tip_matrix(assembled(mechanism, x)))
     return found
+
+
+def closed_near(mechanism: Mechanism, x: Array) -> tuple[Array, Array]:
+    """The flat state on the closure near one, and the gap (m) that remains."""
+    found, gap = closed(mechanism, x, POSE)
+    return (found, gap) if gap <= 1e-9 * mechanism.size else closed(mechanism, found, ALL)
 
 
 def check_reach(mechanism: Mechanism) -> None:
@@ -101,13 +110,14 @@ def independent(G: Array) -> Array:
     left = G.copy()
     chosen: list[int] = []
     basis = np.zeros((0, G.shape[1]))
-    while True:
+    while len(chosen) < len(G):
         lengths = np.linalg.norm(left, axis=1)
         best = int(np.argmax(lengths))
-        if lengths[best] < DEPENDENT or len(chosen) == len(G):
-            return np.array(sorted(chosen), dtype=int)
+        if lengths[best] < DEPENDENT:
+            break
         chosen.append(best)
         unit = left[best] / lengths[best]
         unit = unit - basis.T @ mv(basis, unit)
         basis = np.vstack([basis, unit / np.linalg.norm(unit)])
         left = left - np.outer(left @ basis[-1], basis[-1])
+    return np.array(sorted(chosen), dtype=int)

@@ -1,31 +1,57 @@
-"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has, and
-motors move with what they drive."""
+"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has, motors
+move with what they drive, and soft tips hold the platform."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from parflex.base.array import Array, join, mv
+from parflex.base.array import Array, join, merged, mtv, mv
 from parflex.mechanics.leg_terms import LegTerms
-from parflex.mechanics.system import System, in_carried_order, leg_accelerations, leg_pulls
+from parflex.mechanics.platform import PlatformTerms
+from parflex.mechanics.system import (
+    System,
+    at_tips,
+    in_carried_order,
+    leg_accelerations,
+    leg_pulls,
+    soft_pulls,
+)
 from parflex.robot.robot import Robot
 
 
 def stiffened(system: System) -> System:
-    """The system with ë = 0: the equations of the links' bend are replaced by it; itself for rigid legs."""
+    """The system with ë = 0: the equations of the links' bend are replaced by it; soft tips do not pull, and
+    their rows are solved as those of others. Itself where nothing gives."""
     mechanism = system.mechanism
-    if not np.any(mechanism.bends):
+    if not mechanism.gives:
         return system
     stiff = replace(mechanism, rows=mechanism.rows_stiff)
-    return system._replace(mechanism=stiff, legs=[stiffened_leg(leg) for leg in system.legs])
+    legs = [stiffened_leg(leg) for leg in system.legs]
+    return system._replace(mechanism=stiff, legs=legs, platform=unpulled(system))
+
+
+def unpulled(system: System) -> PlatformTerms:
+    """The platform's terms without the forces of soft tips."""
+    platform = system.platform
+    if not system.mechanism.soft:
+        return platform
+    pull, bent = soft_pulls(system.legs), system.sections.tilt
+    arm = at_tips(
+        [leg.flexed.moment - leg.twist if any(leg.group.soft) else 0.0 * leg.place for leg in system.legs]
+    )
+    rigid = mv(system.W_p, merged(pull)) + join([np.zeros(3), np.sum(arm, axis=-2)])
+    elastic = mv(system.W_e, merged(pull)) + np.sum(mtv(bent, arm), axis=-2)
+    return platform._replace(c_r=platform.c_r + rigid, c_e=platform.c_e + elastic)
 
 
 def stiffened_leg(leg: LegTerms) -> LegTerms:
     """The leg with A = [A_qq 0; 0 1], c = (c_q, 0), J = [J_q 0], S = (S_q, 0)."""
-    joints = of_joints(leg)
+    joints, c = of_joints(leg), leg.c
+    if any(leg.group.soft):
+        c = c - mtv(leg.J, merged(leg.flexed.pull))
     group = leg.group._replace(S=joints[:, None] * leg.group.S)
     A = joints[:, None] * leg.A * joints + np.diag(1.0 - joints)
-    return leg._replace(group=group, A=A, c=leg.c * joints, J=leg.J * joints)
+    return leg._replace(group=group, A=A, c=c * joints, J=leg.J * joints)
 
 
 def of_joints(leg: LegTerms) -> Array:

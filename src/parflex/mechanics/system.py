@@ -66,7 +66,8 @@ def assemble(mechanism: Mechanism, x: Coordinates) -> System:
     there, ground = x._replace(rotation=seen.rotation), floor.ground(mechanism.base, mechanism.gravity)
     legs = [leg_terms(group, there, ground, place, v, own) for group, place, v, own in moved]
     platform = with_moments(platform, mechanism, legs, turned)
-    return System(mechanism, x, legs, points, shapes, W_p, W_e, platform, turned, seen)
+    system = System(mechanism, x, legs, points, shapes, W_p, W_e, platform, turned, seen)
+    return with_pulls(system) if mechanism.soft else system
 
 
 def sections_by_group(mechanism: Mechanism, turned: Sections, seen: floor.Seen) -> list[Array]:
@@ -89,8 +90,35 @@ def with_moments(
 
 def tip_moments(legs: list[LegTerms]) -> Array:
     """The moments (…, k, 3) of flexures at all tips on the platform, in Σp; zero where a tip has none."""
-    parts = [leg.moment if leg.group.flexures else 0.0 * leg.place for leg in legs]
+    return at_tips([leg.flexed.moment if leg.group.flexures else 0.0 * leg.place for leg in legs])
+
+
+def soft_pulls(legs: list[LegTerms]) -> Array:
+    """The forces (…, k, 3) of soft tips on the platform, in Σp, each where the tip is; zero of other tips."""
+    return at_tips([leg.flexed.pull if any(leg.group.soft) else 0.0 * leg.place for leg in legs])
+
+
+def at_tips(parts: list[Array]) -> Array:
+    """Vectors (…, L, t, 3) of each group as those of all tips (…, k, 3)."""
     return np.concatenate([part.reshape(part.shape[:-3] + (-1, 3)) for part in parts], axis=-2)
+
+
+def with_pulls(system: System) -> System:
+    """The system whose platform is pulled by its soft tips; the legs' terms have their part."""
+    platform, pull = system.platform, merged(soft_pulls(system.legs))
+    c_r, c_e = platform.c_r - mv(system.W_p, pull), platform.c_e - mv(system.W_e, pull)
+    return system._replace(platform=platform._replace(c_r=c_r, c_e=c_e))
+
+
+def tip_forces(system: System, f: Array) -> Array:
+    """The forces (…, 3k) of all tips on the platform, of contact forces f (…, 3k), which are those that the
+    closure takes and zero at soft tips."""
+    return f + merged(soft_pulls(system.legs)) if system.mechanism.soft else f
+
+
+def closing_forces(system: System, forces: Array) -> Array:
+    """The contact forces (…, 3k) that the closure takes, of those of all tips; `tip_forces` undone."""
+    return forces - merged(soft_pulls(system.legs)) if system.mechanism.soft else forces
 
 
 def assembled(mechanism: Mechanism, x: Array) -> System:
@@ -138,9 +166,9 @@ def health(system: System) -> Array:
         for parts in (
             [leg.reach for leg in legs],
             [leg.regularity for leg in legs],
-            [merged(leg.open) for leg in legs],
-            [merged(leg.gap) for leg in tips],
-            [merged(leg.gap_rate) for leg in tips],
+            [merged(leg.flexed.open) for leg in legs],
+            [merged(leg.gap[..., leg.group.firm]) for leg in tips],
+            [merged(leg.gap_rate[..., leg.group.firm]) for leg in tips],
         )
     )
     by_leg, by_gap, opening = at.leg_order, at.gap_order, opening[..., at.open_order]
@@ -200,9 +228,10 @@ def floor_power(system: System, zdd: list[Array], f: Array) -> Array:
 
 
 def reactions(system: System, zdd: list[Array], f: Array) -> list[recursion.Reaction]:
-    """The wrenches that links of each group receive at accelerations (…, L, z) and contact forces (…, 3k)."""
+    """The wrenches that links of each group receive at accelerations (…, L, z) and contact forces (…, 3k) of
+    the closure."""
     found, ground = [], floor.ground(system.mechanism.base, system.mechanism.gravity)
-    tips = by_group(system.mechanism, kinematics.unstacked(f))
+    tips = by_group(system.mechanism, kinematics.unstacked(tip_forces(system, f)))
     for leg, acceleration, pull in zip(system.legs, zdd, tips, strict=True):
         group, c, frames = leg.group, leg.group.chain, leg.bent
         base = floor.under_legs(group, *ground).motion
@@ -210,7 +239,7 @@ def reactions(system: System, zdd: list[Array], f: Array) -> list[recursion.Reac
         loads = recursion.unloaded(c)
         for t, tip in enumerate(group.points(leg.joints.bend)):
             R = transpose(frames.R_0j[tip.link]) @ leg.R_ip[..., 0, :, :]
-            turn = mv(R, leg.moment[..., t, :]) if group.flexures is not None else None
+            turn = mv(R, leg.twist[..., t, :]) if group.flexures is not None else None
             recursion.with_push(loads, tip, mv(R, pull[..., t, :]), turn)
         found.append(recursion.reactions(c, frames, motions, leg.zd, acceleration, loads))
     return found

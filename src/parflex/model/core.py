@@ -22,7 +22,7 @@ from parflex.mechanics.flat_state import flat_state, state_of
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.ordering import Joints, by_leg
 from parflex.mechanics.rests import rested
-from parflex.mechanics.system import System, examined, joint_reactions, leg_accelerations
+from parflex.mechanics.system import System, closing_forces, examined, joint_reactions, leg_accelerations
 from parflex.robot.base_motion import BaseMotion
 from parflex.robot.parameters import Parameters
 from parflex.robot.robot import Robot
@@ -166,5 +166,5 @@ def legs_moved(
             )
         core = core.at(theta)
     system, held = core.system(state), core.mechanism.attachments
-    f = contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held)))
+    f = closing_forces(system, contact[..., held, :].reshape((*contact.shape[:-2], 3 * len(held))))
     return LegsMoved(system, leg_accelerations(system, np.asarray(forces, dtype=float), f), f)

@@ -15,7 +15,7 @@ from parflex.base.errors import DynamicSingularity, InputError
 from parflex.kernels import models as kernels
 from parflex.kernels.kernel import Vectors
 from parflex.mechanics.ordering import by_attachment
-from parflex.mechanics.output import Output, PlatformOutput
+from parflex.mechanics.output import THROUGH_SOFT_TIPS, Output, PlatformOutput
 from parflex.model import inputs
 from parflex.model.core import Core
 from parflex.model.inputs import Values, Wrenches
@@ -59,6 +59,8 @@ def inverse(core: Core, asked: Wanted, legs: Any, allow_ill_posed: Any) -> Force
     check_legs_word("legs", legs)
     if not isinstance(allow_ill_posed, bool):
         raise InputError(f"allow_ill_posed is {type(allow_ill_posed).__name__}; give True or False")
+    if isinstance(asked.output, PlatformOutput) and not len(core.mechanism.firm):
+        raise InputError(f"output is a {type(asked.output).__name__}, but {THROUGH_SOFT_TIPS}")
     x, found = static(core, asked) if legs == STATIC else moving(core, asked)
     core.check(x, found["health"])
     health.check_finite(found["gain"])
@@ -85,6 +87,11 @@ def moving(core: Core, asked: Wanted) -> tuple[Array, Vectors]:
 
 def static(core: Core, asked: Wanted) -> tuple[Array, Vectors]:
     """The flat states of bent legs, and the answer there."""
+    if core.mechanism.soft:
+        raise InputError(
+            f'legs="{STATIC}" is for legs that bend and tips that hold the platform, but this robot has soft '
+            f"tips, which give too: leave it out with output=JointOutput(), or ask model.equilibrium"
+        )
     if not any(core.mechanism.layout.elastic):
         return moving(core, asked)
     none = inputs.load(core, asked.state, ())
@@ -98,7 +105,7 @@ def static(core: Core, asked: Wanted) -> tuple[Array, Vectors]:
 def judged(core: Core, asked: Wanted, x: Array, gain: Array, allowed: bool) -> Array:
     """True (…,) beyond a dynamic singularity; raises where the gain (…, o m) is singular, or ill-posed."""
     mechanism, output = core.mechanism, asked.output
-    bends = any(mechanism.layout.elastic)
+    bends = mechanism.gives
     build = kernels.platform_gains if bends else kernels.gains
     other = core.functions(build, output, theta=asked.theta).run(x=x)
     platform = other["flexible"] if bends else gain

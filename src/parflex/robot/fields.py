@@ -90,9 +90,11 @@ def given(
     *,
     default: Any = MISSING,
     shape: tuple[int, ...] = (),
+    parameter: bool = False,
 ) -> Any:
     """A field of a number, or of an array of this shape, that must be given, or may be None by default."""
     known: dict[str, Any] = {"words": words, "kind": kind, "shape": shape, "rule": rule}
+    known["parameter"] = parameter
     form = exact(shape) if shape else scalar
     form = optional(form) if default is None else form
     return field(default=default, metadata=about(form, default=default, **known))

@@ -10,13 +10,16 @@ from parflex.base.array import Array
 from parflex.base.check import NOT_NEGATIVE, POSITIVE, exactly, finite, obeying, single_rotation
 from parflex.base.errors import InputError
 from parflex.base.held import Given, MaybeGiven
-from parflex.robot.fields import check_fields, held, number, optional
+from parflex.robot.fields import check_fields, given, held, number, optional
 from parflex.robot.words import told
+
+MATRICES = ("stiffness", "damping", "translation", "translation_damping")
 
 
 @dataclass(frozen=True, eq=False)
 class Flexure:
-    """Stiffness, damping and friction of a tip against rotation; SI units and radians.
+    """Stiffness, damping and friction of a tip against rotation, and against being pulled off where it is
+    soft; SI units and radians.
 
     The energy is ½ θᵀ K θ with `stiffness` K (3, 3) N m/rad and θ = 2 tan(φ/2) times the axis of the
     rotation from rest, which is that of the leg's section seen from the platform's; `damping` (3, 3)
@@ -24,7 +27,12 @@ class Flexure:
     v = `friction_speed` rad/s. All are in the axes of the platform's section. `rest` (3, 3) is the rotation
     without load, by default that at home.
 
-    Raises InputError where a matrix is not symmetric or has a negative direction, or friction is negative.
+    With `translation` K_t (3, 3) N/m the tip is soft: it may leave the platform's point by g, in the same
+    axes, and the force K_t g + D_t ġ, with D_t = `translation_damping` (3, 3) N s/m, draws both together.
+    Without, it holds the point.
+
+    Raises InputError where a matrix is not symmetric or has a negative direction, or friction is negative,
+    and where only `translation_damping` is given.
     """
 
     stiffness: Given = number(
@@ -40,13 +48,32 @@ class Flexure:
         1e-3, kinds.TURN_RATE, "friction_speed", "over which `friction` changes sign", POSITIVE
     )
     rest: MaybeGiven = held(optional(single_rotation), default=None)
+    translation: MaybeGiven = given(
+        kinds.LINEAR_STIFFNESS, "K_t of a soft tip, in N/m", default=None, shape=(3, 3), parameter=True
+    )
+    translation_damping: MaybeGiven = given(
+        kinds.LINEAR_DAMPING, "D_t of a soft tip, in N s/m", default=None, shape=(3, 3), parameter=True
+    )
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for name in ("stiffness", "damping"):
-            check_not_negative(f"Flexure.{name}", getattr(self, name))
+        if self.translation is None and self.translation_damping is not None:
+            raise InputError(
+                "Flexure.translation_damping is given without translation, by which a tip is soft; give "
+                "translation=numpy.zeros((3, 3)) where the damper is alone"
+            )
+        if self.translation is not None and self.translation_damping is None:
+            object.__setattr__(self, "translation_damping", np.zeros((3, 3)))
+        for name in MATRICES:
+            if getattr(self, name) is not None:
+                check_not_negative(f"Flexure.{name}", getattr(self, name))
 
     __repr__ = told
+
+    @property
+    def soft(self) -> bool:
+        """True where the tip may leave the platform's point."""
+        return self.translation is not None
 
     @staticmethod
     def about(

@@ -150,6 +150,11 @@ class Tip:
     def __post_init__(self) -> None:
         check_fields(self)
 
+    @property
+    def soft(self) -> bool:
+        """True where its flexure lets it leave the platform's point."""
+        return self.flexure is not None and self.flexure.soft
+
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -200,13 +205,18 @@ class Leg:
     def structure(self) -> tuple[object, ...]:
         """The properties that two legs must share to be computed in one pass."""
         joints = tuple((type(j), j.antecedent, j.sigma, j.mu, j.drive_stiffness is None) for j in self.joints)
-        tips = tuple((t.frame, t.flexure is not None) for t in self.tips)
+        tips = tuple((t.frame, t.flexure is not None, t.soft) for t in self.tips)
         return joints, tips, self.modes, self.seats, tuple(each.joints for each in self.couplings)
 
     @cached_property
     def modes(self) -> tuple[int, ...]:
         """The number of elastic coordinates of each link; zero for rigid ones."""
         return tuple(0 if joint.body is None else joint.body.modes for joint in self.joints)
+
+    @property
+    def soft(self) -> bool:
+        """True where a tip is soft."""
+        return any(tip.soft for tip in self.tips)
 
     @property
     def size(self) -> int:

@@ -19,7 +19,7 @@ from parflex.robot.beam import Beam, BeamBody
 from parflex.robot.beam_section import CHANGING
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import Column, described
-from parflex.robot.flexure import Flexure, check_not_negative
+from parflex.robot.flexure import MATRICES, Flexure, check_not_negative
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robot.robot import Robot
 
@@ -169,6 +169,8 @@ def of_leg(i: int, leg: Leg) -> Iterator[Parameter]:
     for t, tip in enumerate(leg.tips):
         if tip.flexure is not None:
             for field, column in of(Flexure).items():
+                if getattr(tip.flexure, field) is None:
+                    continue
                 way = OF_FLEXURE + field
                 yield Parameter(f"legs[{i}].tips[{t}].{way}", way, column.shape, (i,), t, column.rule)
 
@@ -275,7 +277,7 @@ def checked(item: Parameter, value: Any) -> Array:
     if item.field == "damping_ratio" and np.shape(value)[-1:] in ((), (1,)):
         value = np.broadcast_to(finite(name, value), np.shape(value)[:-1] + item.shape)
     array = finite(name, value, item.shape or None)
-    if item.field in (OF_FLEXURE + "stiffness", OF_FLEXURE + "damping"):
+    if item.field in [OF_FLEXURE + name for name in MATRICES]:
         for matrix in array.reshape(-1, *item.shape):
             check_not_negative(name, matrix)
     return array if item.rule is None else obeying(name, array, item.rule)

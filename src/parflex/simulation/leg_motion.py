@@ -79,11 +79,14 @@ def moved(core: Core, trajectory: Trajectory, t: Array, like: State) -> Vectors:
 
 
 def carrying(core: Core, wanted: Sample, like: State) -> Array:
-    """The flat states (T, size) of a motion: carried joints found from those of a state, on its branches."""
+    """The flat states (T, size) of a motion: carried joints found from those of a state, soft tips closed, on
+    its branches."""
     layout, branches = core.mechanism.layout, core.mechanism.layout.at.branches
-    given = like.joints and [q if n else None for q, n in zip(like.joints, layout.joints, strict=True)]
+    firm = [n > 0 and not leg.soft for leg, n in zip(core.robot.legs, layout.joints, strict=True)]
+    given = like.joints and [q if own else None for q, own in zip(like.joints, firm, strict=True)]
     pose = wanted.position, wanted.rotation, wanted.twist
-    x = core.flat(State(*pose, like.elastic, joints=given, leg_elastic=like.leg_elastic))
+    near = State(*pose, like.elastic, joints=given, leg_elastic=like.leg_elastic)
+    x = core.flat(near)
     return join([x[..., : branches.start], core.flat(like)[branches]])
 
 

@@ -27,6 +27,7 @@ class LegChanges(NamedTuple):
     closure: Array  # (…, 3k, M), r_3 − J A⁻¹ r_2
     carried: Array  # (…, n, M), −A⁻¹ r_2 of coordinates that the state carries
     moments: Array  # (…, 3k', M), of flexures on the platform, in Σp, at tips of groups that have them
+    pulls: Array  # (…, 3k'', M), of soft tips on the platform, in Σp, at tips of groups that have some
 
 
 def leg_changes(system: System, mobile: list[Array], qdd: list[Array], f: Array, a: Array) -> LegChanges:
@@ -37,7 +38,8 @@ def leg_changes(system: System, mobile: list[Array], qdd: list[Array], f: Array,
     mechanism, R_p0 = system.mechanism, transpose(system.x.rotation)
     of_tips, forced = tip_changes(system, a), by_group(mechanism, f)
     motions, sections = leg_by_leg(system, tip_motions(system)), sections_of(system)
-    by_motion, own = [], []
+    by_motion: list[tuple[Array, ...]] = []
+    own: list[tuple[Array, ...]] = []
     legs = zip(system.legs, mobile, sections, qdd, forced, motions, of_tips, strict=True)
     for leg, reach, section, zdd, f_i, moved, tips in legs:
         found = leg_tangent(system, leg, section, reach, zdd, f_i)
@@ -45,14 +47,16 @@ def leg_changes(system: System, mobile: list[Array], qdd: list[Array], f: Array,
         below = np.zeros((reach.shape[-2] - rows, tips.shape[-1]))
         wide = found.by_tips @ moved + block([[tips], [below]])
         wide = wide + by_turning(found.mobility @ hats(f_i), tips.shape[-1])
-        held = found.moment_by_tips @ moved + by_turning(hats(leg.moment), tips.shape[-1])
-        by_motion.append((wide[..., :rows, :], wide[..., rows:, :], held))
-        own.append((found.own[..., :rows, :], found.own[..., rows:, :], found.moment_own))
-    closure, carried, moments = (
+        turned = np.concatenate([hats(leg.flexed.moment), hats(leg.flexed.pull)], axis=-2)
+        held = found.held_by_tips @ moved + by_turning(turned, tips.shape[-1])
+        for parts, both, last in ((by_motion, wide, held), (own, found.own, found.held_own)):
+            of_legs = both[..., :rows, :], both[..., rows:, :]
+            parts.append((*of_legs, last[..., :rows, :], last[..., rows:, :]))
+    closure, carried, moments, pulls = (
         assembled(mechanism, R_p0, [part[i] for part in by_motion], [part[i] for part in own])
-        for i in range(3)
+        for i in range(4)
     )
-    return LegChanges(closure, carried[..., mechanism.carried_order, :], moments)
+    return LegChanges(closure, carried[..., mechanism.carried_order, :], moments, pulls)
 
 
 def by_turning(columns: Array, count: int) -> Array:
@@ -89,8 +93,9 @@ def tip_changes(system: System, a: Array) -> list[Array]:
     return [part.reshape((*part.shape[:-2], 3 * part.shape[-2], columns)) for part in parts]
 
 
-def platform_changes(system: System, a: Array, f: Array, load: Load, moments: Array) -> Array:
-    """r_1 (…, 6 + N, M) under contact forces f (…, k, 3), of flexures whose moments change so (…, 3k', M)."""
+def platform_changes(system: System, a: Array, f: Array, load: Load, legs: LegChanges) -> Array:
+    """r_1 (…, 6 + N, M) under forces f (…, k, 3) of all tips, of flexures and soft tips that change like that
+    of the legs."""
     mechanism, x = system.mechanism, system.x
     gravity = mtv(x.rotation, mechanism.gravity)
     platform = platform_tangent(mechanism.platform, x, gravity, a)
@@ -102,9 +107,18 @@ def platform_changes(system: System, a: Array, f: Array, load: Load, moments: Ar
     bending = platform.elastic + pushed - external[..., 3:]
     still, none = np.zeros((6 + N, 3)), np.zeros((6 + N, 2 * carried))
     changed = block([[still, turning, still, platform.omega, bending, platform.elastic_rate, none]])
-    if not moments.shape[-2]:
+    if legs.pulls.shape[-2]:
+        changed = changed - pulled_changes(system, legs.pulls)
+    if not legs.moments.shape[-2]:
         return changed
-    return changed - held_changes(system, moments)
+    return changed - held_changes(system, legs.moments)
+
+
+def pulled_changes(system: System, pulls: Array) -> Array:
+    """∂(W f) (…, 6 + N, M) of soft tips whose forces change so (…, 3k'', M) where the tips' places do not."""
+    groups = system.mechanism.groups
+    soft = [any(g.soft) for g in groups for _ in range(3 * g.attachments.size)]
+    return block([[system.W_p[..., soft] @ pulls], [system.W_e[..., soft] @ pulls]])
 
 
 def held_changes(system: System, moments: Array) -> Array:

@@ -43,7 +43,7 @@ def joint_tangent(system: System) -> JointTangent:
 def by_leg(leg: LegTerms, x: Coordinates) -> Array:
     """∂ of `joints_of` (…, L, 2a, d) by its seeds."""
     own = [x.s[..., leg.group.carried], x.sd[..., leg.group.carried]]
-    tips = [] if leg.group.type.carries else [merged(leg.place), merged(leg.velocity)]
+    tips = [merged(leg.place), merged(leg.velocity)] if leg.group.reads_tips else []
 
     def tangent(group: LegGroup, seeds: Array, branch: Array) -> Array:
         return jacobian(lambda x: joints_of(group.on(branch), x), seeds)
@@ -55,7 +55,7 @@ def by_leg(leg: LegTerms, x: Coordinates) -> Array:
 def joints_of(group: LegGroup, seeds: Array) -> Array:
     """θ and θ̇ of the motors (…, L, 2a), of places and velocities of the tips in Σ0i, which legs that
     carry their joints do not read, and of carried coordinates and their rates, side by side."""
-    c, tips = group.chain, (0 if group.type.carries else len(group.tip_frames), 3)
+    c, tips = group.chain, (len(group.tip_frames) if group.reads_tips else 0, 3)
     place, velocity, s, sd = split(seeds, [tips, tips, (len(group.kept),), (len(group.kept),)])
     joints = group.type.joints(group, place, s)
     frames, still = chain.frames(c, joints), np.zeros(len(group.legs))

@@ -1,14 +1,16 @@
 """Derivatives of the equations of the legs by the state, at fixed accelerations and contact forces."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 
-from parflex.base.array import Array, join, merged, mtv, mv, skew, split, transpose
+from parflex.base.array import Array, join, merged, mtv, mv, skew, split, stack, transpose
 from parflex.base.dual import jacobian
 from parflex.mechanics import chain, joint_forces, recursion
+from parflex.mechanics.chain import Frames, Point
 from parflex.mechanics.floor import Ground, ground, under_legs
-from parflex.mechanics.leg_terms import LegTerms, flexed, leg_response, rates_of
+from parflex.mechanics.leg_terms import Apart, LegTerms, flexed, leg_response, rates_of
 from parflex.mechanics.legs.alike import each_leg
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.system import System, sections_by_group
@@ -24,8 +26,8 @@ class LegTangent(NamedTuple):
 
     by_tips: Array  # (…, L, 3t + s, d), by motions of the tips as `tip_motions.leg_by_leg` has them
     own: Array  # (…, L, 3t + s, 2 s), by carried coordinates and their rates
-    moment_by_tips: Array  # (…, L, 3t, d), of flexures on the platform, in Σp; (…, L, 0, d) without
-    moment_own: Array  # (…, L, 3t, 2 s)
+    held_by_tips: Array  # (…, L, 3t[ + 3t], d), moments of flexures on the platform and forces of soft tips
+    held_own: Array  # (…, L, 3t[ + 3t], 2 s); all in Σp, and no rows without flexures
     mobility: Array  # (…, L, 3t + s, 3t), [J; those rows of 1] A⁻¹ Jᵀ
 
 
@@ -51,18 +53,19 @@ def leg_tangent(
     reached = blockwise(R_pi, found[..., z : z + rows, :])
     kept = np.zeros((*reached.shape[:-2], s, reached.shape[-1]))
     H = np.concatenate([reached, kept], axis=-2) - mobile @ found[..., :z, :]
-    moment = blockwise(R_pi, found[..., z + rows :, :])
+    held = blockwise(R_pi, found[..., z + rows :, :])
     seeds = H.shape[-1] - 2 * s
-    by_tips = (transpose(blockwise(R_pi, transpose(part[..., :seeds]))) for part in (H, moment))
-    own = (part[..., seeds:] for part in (H, moment))
-    (H, moment), (H_own, moment_own) = by_tips, own
-    return LegTangent(H, H_own, moment, moment_own, mobile @ transpose(leg.J))
+    by_tips = (transpose(blockwise(R_pi, transpose(part[..., :seeds]))) for part in (H, held))
+    own = (part[..., seeds:] for part in (H, held))
+    (H, held), (H_own, held_own) = by_tips, own
+    return LegTangent(H, H_own, held, held_own, mobile @ transpose(leg.J))
 
 
 class Seeds(NamedTuple):
     """The arguments of the equations of the legs, all in Σ0i: places and velocities (…, L, t, 3) of the tips,
-    which legs that carry their joints do not read; small turns and angular velocities (…, L, t, 3) of the
-    platform's sections, which only flexures read; and the carried coordinates with their rates."""
+    which legs that carry their joints read for soft tips only; small turns and angular velocities
+    (…, L, t, 3) of the platform's sections, which only flexures read; and the carried coordinates with their
+    rates."""
 
     place: Array
     velocity: Array
@@ -75,14 +78,14 @@ class Seeds(NamedTuple):
 def seeds_of(group: LegGroup, flat: Array) -> Seeds:
     """The parts of seeds (…, L, d) that stand side by side."""
     t, s = len(group.tip_frames), len(group.kept)
-    tips, held = (0 if group.type.carries else t, 3), (0 if group.flexures is None else t, 3)
+    tips, held = (t if group.reads_tips else 0, 3), (0 if group.flexures is None else t, 3)
     return Seeds(*split(flat, [tips, tips, held, held, (s,), (s,)]))
 
 
 def leg_seeds(leg: LegTerms, x: Coordinates, section: Array) -> Array:
     """The arguments (…, L, d) of `leg_residual` at a state, for sections (…, L, t, 12) of the platform."""
     group, parts = leg.group, []
-    if not group.type.carries:
+    if group.reads_tips:
         parts += [merged(leg.place), merged(leg.velocity)]
     if group.flexures is not None:
         spin = mv(leg.R_ip, section[..., 9:])
@@ -99,7 +102,7 @@ def axes_of(leg: LegTerms, section: Array) -> Array:
 
 
 def residual_tangent(system: System, leg: LegTerms, section: Array, zdd: Array, force: Array) -> Array:
-    """∂ of `leg_residual` by its seeds, (…, L, z + 3t[ + 3t], d), under forces (…, L, t, 3) in Σ0i."""
+    """∂ of `leg_residual` by its seeds, (…, L, z + 3t[ + 3t[ + 3t]], d), under forces (…, L, t, 3) in Σ0i."""
     push = (len(leg.group.tip_frames), 3)
 
     def tangent(group: LegGroup, *given: Array) -> Array:
@@ -117,7 +120,8 @@ def residual_tangent(system: System, leg: LegTerms, section: Array, zdd: Array, 
 def leg_residual(
     group: LegGroup, seeds: Array, zdd: Array, force: Array, axes: Array, ground: Ground
 ) -> Array:
-    """(A z̈ + c + Jᵀ f, J z̈ + J̇ż, moments of flexures on the platform): (…, L, z + 3t[ + 3t]) in Σ0i.
+    """(A z̈ + c + Jᵀ f, J z̈ + J̇ż, moments of flexures and forces of soft tips on the platform): (…, L, z + 3t
+    [ + 3t[ + 3t]]) in Σ0i.
 
     seeds as in `Seeds`, side by side; force (…, L, t, 3), axes (…, L, 9t) of the platform's sections where
     there are flexures; all in Σ0i. The accelerations of the tips are those less gravity.
@@ -125,7 +129,8 @@ def leg_residual(
     c, at = group.chain, seeds_of(group, seeds)
     joints = group.type.joints(group, at.place, at.s)
     frames, tips = chain.frames(c, joints), group.points(joints.bend)
-    J = [chain.tip_jacobian(c, frames, tip) for tip in tips] if any(c.modes) else []
+    several = any(c.modes) or any(group.soft)
+    J = [chain.tip_jacobian(c, frames, tip) for tip in tips] if several else []
     zd = rates_of(group, frames, joints, J, at.place, at.velocity, at.sd)
     motions = recursion.link_motions(c, frames, zd, zdd, ground.motion)
     loads, accelerations = recursion.unloaded(c), []
@@ -139,8 +144,21 @@ def leg_residual(
         return join([torque, *accelerations])
     C = axes.reshape((*axes.shape[:-1], len(tips), 3, 3))
     section = join([merged(C + skew(at.turn) @ C), at.spin])
-    pull, _, _, moment, _ = flexed(group, frames, tips, zd, np.eye(3), merged(section))
-    return join([torque + pull, *accelerations, merged(moment)])
+    apart = apart_of(frames, tips, J, zd, at)
+    turning, held = flexed(group, frames, tips, zd, np.eye(3), merged(section), apart)
+    if not any(group.soft):
+        return join([torque + turning, *accelerations, merged(held.moment)])
+    torque = torque + turning + mtv(apart.J, merged(held.pull))
+    return join([torque, *accelerations, merged(held.moment), merged(held.pull)])
+
+
+def apart_of(frames: Frames, tips: Sequence[Point], J: list[Array], zd: Array, at: Seeds) -> Apart:
+    """The tips against the platform's points, in Σ0i; nothing of legs that do not read where those are."""
+    if not (J and at.place.shape[-2]):
+        return Apart(*[zd[..., :0]] * 3)
+    places = stack([chain.tip_position(frames, tip) for tip in tips], axis=-2)
+    every = np.concatenate(J, axis=-2)
+    return Apart(every, merged(places - at.place), mv(every, zd) - merged(at.velocity))
 
 
 def sections_of(system: System) -> list[Array]:

@@ -28,7 +28,7 @@ from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.platform import Platform, platform_terms
-from parflex.mechanics.system import System, by_group, diagonal, leg_accelerations
+from parflex.mechanics.system import System, by_group, diagonal, leg_accelerations, tip_forces
 
 
 class Sensitivity(NamedTuple):
@@ -192,7 +192,7 @@ def system_sensitivity(
 
 def residuals(system: System, at: Solved) -> Array:
     """A z̈ + c + Jᵀ f and J z̈ + J̇ż of each leg, and M_p a + c_p, one after the other."""
-    x, mechanism, parts = system.x, system.mechanism, []
+    x, mechanism, parts, pulled = system.x, system.mechanism, [], []
     platform, tips = mechanism.platform, by_group(mechanism, unstacked(at.f))
     under = ground(mechanism.base, mechanism.gravity)
     held, tilts = np.zeros(6 + platform.modes), by_group(mechanism, merged(system.sections.tilt))
@@ -203,10 +203,18 @@ def residuals(system: System, at: Solved) -> Array:
         rest = leg_residual(own, seeds, zdd, mv(leg.R_ip, f), axes_of(leg, section), floor)
         moved = mtv(leg.R_ip, unstacked(rest[..., z : z + rows]) + floor.gravity[..., None, :])
         parts.append(merged(join([rest[..., :z], merged(moved)])))
+        if any(group.soft):
+            pull = mtv(leg.R_ip, rest[..., z + 2 * rows :].reshape(leg.place.shape))
+            pulled.append(merged(merged(pull)))
+        else:
+            pulled.append(0.0 * merged(merged(leg.place)))
         if group.flexures is not None:
-            m = mtv(leg.R_ip, rest[..., z + rows :].reshape(leg.place.shape))
+            m = mtv(leg.R_ip, rest[..., z + rows : z + 2 * rows].reshape(leg.place.shape))
             modal = mtv(tilt.reshape((*m.shape, platform.modes)), m)
             held = held + np.sum(join([np.zeros(3), m, modal]), axis=(-3, -2))
+    if mechanism.soft:
+        pull = join(pulled)
+        held = held + join([mv(system.W_p, pull), mv(system.W_e, pull)])
     gravity = mtv(x.rotation, mechanism.gravity)
     A_rr, A_re, c_r, c_e = platform_terms(platform, x.twist[..., 3:], x.elastic, x.elastic_rate, gravity)
     Vd, qdd_e = at.a[..., :6], at.a[..., 6:]
@@ -220,7 +228,7 @@ def by_state(system: System, at: Solved, load: Load, driven: Array | None = None
     forces change with it."""
     f = unstacked(at.f)
     legs = leg_changes(system, at.mobile, at.qdd, f, at.a)
-    r_1 = platform_changes(system, at.a, f, load, legs.moments)
+    r_1 = platform_changes(system, at.a, unstacked(tip_forces(system, at.f)), load, legs)
     s, own = legs.closure, legs.carried
     if driven is not None:
         s, own = s + at.JAS @ driven, own + at.AS @ driven
@@ -232,12 +240,14 @@ def by_state(system: System, at: Solved, load: Load, driven: Array | None = None
 
 
 def contact_response(mechanism: Mechanism, C: Array, MW: Array) -> Array:
-    """Y = M⁻¹ W C⁻¹ (…, 6 + N + n, 3k), zero for rows that depend on others."""
-    kept, dropped, order = mechanism.solved_rows
+    """Y = M⁻¹ W C⁻¹ (…, 6 + N + n, 3k), zero for rows that depend on others, and at soft tips."""
+    kept, dropped, released, order = mechanism.solved_rows
     if len(kept) == C.shape[-1]:
         return transpose(contact_forces(mechanism, C, transpose(MW)))
+    if not len(kept):
+        return 0.0 * MW
     Y = transpose(solve_definite(C[..., kept, :][..., kept], transpose(MW[..., kept])))
-    every = np.concatenate([Y, 0.0 * MW[..., dropped]], axis=-1)
+    every = np.concatenate([Y, 0.0 * MW[..., dropped], 0.0 * MW[..., released]], axis=-1)
     return every[..., order]
 
 

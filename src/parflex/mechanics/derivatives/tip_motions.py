@@ -66,13 +66,14 @@ def shares(system: System) -> tuple[Array, Array, Array]:
 
 def leg_by_leg(system: System, motions: TipMotions, sections: bool = True) -> list[Array]:
     """The motions that the equations of the legs see, group by group: (…, L, d, D) of their tips, and after
-    these of the sections of tips with flexures; legs that carry their joints do not see tips, d may be 0."""
+    these of the sections of tips with flexures; legs that carry their joints see only
+    soft tips, d may be 0."""
     mechanism, found = system.mechanism, []
     seen = motions if sections and motions.turn.size else motions[:2]
     parts = [by_group(mechanism, merged(part)) for part in seen]
     D = motions.place.shape[-1]
     for group, *mine in zip(mechanism.groups, *parts, strict=True):
-        tips = [] if group.type.carries else mine[:2]
+        tips = mine[:2] if group.reads_tips else []
         rows = tips + ([] if group.flexures is None else mine[2:])
         tall = [part.reshape((*part.shape[:-2], 3 * part.shape[-2], D)) for part in rows]
         found.append(transpose(join([np.zeros((1, D, 0)), *(transpose(part) for part in tall)])))

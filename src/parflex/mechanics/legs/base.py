@@ -34,6 +34,7 @@ class LegGroup(NamedTuple):
     kept: tuple[int, ...]  # the coordinates z of a leg that the state carries
     carried: Array  # (L, kept) int, their positions among all coordinates that the state carries
     flexures: Flexures | None  # of the tips
+    soft: tuple[bool, ...]  # of each tip, whether it may leave the platform's point
 
     def on(self, branch: Array) -> "LegGroup":
         """The group on a branch (…, L, 1) of the state; as it is for (…, L, 0)."""
@@ -41,8 +42,18 @@ class LegGroup(NamedTuple):
 
     @property
     def closed(self) -> bool:
-        """True where the closure holds by itself: each tip is where the platform has it."""
-        return not self.type.carries and 3 * len(self.tip_frames) == self.chain.n
+        """True where the closure holds by itself: each tip is where the platform has it, or may leave it."""
+        return all(self.soft) or (not self.type.carries and 3 * len(self.tip_frames) == self.chain.n)
+
+    @property
+    def firm(self) -> list[int]:
+        """The rows, of 3 for each tip, of the tips that are not soft."""
+        return [3 * t + i for t, soft in enumerate(self.soft) if not soft for i in range(3)]
+
+    @property
+    def reads_tips(self) -> bool:
+        """True where the equations of the legs read where the platform has their tips."""
+        return any(self.soft) or not self.type.carries
 
     def bend(self, kept: Array) -> Array:
         """Elastic coordinates (…, L, ΣN + d), those of d drives last, or rates, of all that the state
