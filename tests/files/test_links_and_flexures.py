@@ -14,6 +14,8 @@ from measures import relative
 from oracle import tree
 from parflex.app.overview import bending_links
 from parflex.fe.modal_file import save_body
+from parflex.mechanics.paths import leg_paths
+from parflex.model.core import core_of
 from parflex.robot.beam_section import with_numbers
 
 HEAD = """\
@@ -388,3 +390,45 @@ poisson = 0.3, damping_ratio = 0.3 }
         loaded(tmp_path, text.replace("axial = 2", "bending = 20"))
     with pytest.raises(pf.InputError, match=r"robot.toml:10: hexapod.strut.rod.com is given, but"):
         loaded(tmp_path, text.replace("axial = 2", "com = 0.1"))
+
+
+def soft_struts(tmp_path):
+    """The robot whose flexures give along and across their struts."""
+    new = 'flexure = { axial = "94 N/um", shear = "2e6 N/m", translation_damping = "50 N s/m", bending = "5'
+    assert 'flexure = { bending = "5' in GOOD
+    return loaded(tmp_path, GOOD.replace('flexure = { bending = "5', new))
+
+
+def test_soft_tips_are_stiff_along_their_struts(tmp_path):
+    """K_t n = 94e6 n along the direction of the strut at home, found from the leg's points in the world."""
+    robot = soft_struts(tmp_path)
+    tip = robot.legs[0].tips[0]
+    K = tip.flexure.translation
+    paths = leg_paths(core_of(pf.Model(robot, "numpy")).system(robot.home)).points
+    n = robot.home_pose[1].T @ (paths[0, -1] - paths[0, 0])
+    n /= np.linalg.norm(n)
+    assert n @ K @ n == pytest.approx(94e6, rel=1e-9)
+    assert np.linalg.eigvalsh(K)[:2] == pytest.approx(2e6, rel=1e-9)
+    assert np.array_equal(tip.flexure.translation_damping, 50 * np.eye(3))
+
+
+def test_soft_tips_are_written_and_read_to_the_bit(tmp_path):
+    robot = soft_struts(tmp_path)
+    again = pf.load_robot(robot.to_file(tmp_path / "again.toml"))
+    for one, other in zip(again.legs, robot.legs, strict=True):
+        for a, b in zip(one.tips, other.tips, strict=True):
+            assert np.array_equal(a.flexure.translation, b.flexure.translation)
+            assert np.array_equal(a.flexure.translation_damping, b.flexure.translation_damping)
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ('axial = "1 N/m"', "gives axial without shear"),
+        ('translation_damping = "1 N s/m"', "its tip is not soft"),
+        (f"axial = 1.0, shear = 1.0, translation = {IDENTITY}", "gives translation and axial; keep one"),
+    ],
+)
+def test_half_a_soft_tip_is_none(tmp_path, entry, words):
+    with pytest.raises(pf.InputError, match=words):
+        loaded(tmp_path, GOOD.replace("flexure = { bending", f"flexure = {{ {entry}, bending"))

@@ -12,7 +12,7 @@ import numpy as np
 
 from parflex.analysis.buckling import check_stability
 from parflex.analysis.health import check_health, on_closure, single
-from parflex.analysis.mobility import freed_twist, null_space, show, span
+from parflex.analysis.mobility import freed_twist, motions, null_space, rank, scaled_tips, show, span
 from parflex.analysis.statics import Statics, firmness, held_load, loose_twist, statics, stiffness
 from parflex.base.array import Array
 from parflex.base.check import of_type
@@ -163,12 +163,20 @@ def check_balance(mechanism: Mechanism, now: Step, hold: Hold | None) -> None:
 
 
 def held_pose(at: Statics) -> Array:
-    """Rows (c, d) of the motions of Σp that the legs allow without bending."""
+    """Rows (c, d) of the motions of Σp that the legs allow without bending, soft tips at their points."""
+    if at.system.mechanism.soft:
+        held: Array = span(stiff_motions(at.system.mechanism, at.x)) @ at.basis[:6]
+        return held
     first = 6 + at.system.mechanism.platform.modes
     bends = np.concatenate([np.arange(6, first), first + np.flatnonzero(at.system.mechanism.bends)])
     rigid = at.basis @ null_space(at.basis[bends])
     found: Array = span(rigid[:6]) @ at.basis[:6]
     return found
+
+
+def stiff_motions(mechanism: Mechanism, x: Array) -> Array:
+    """Motions (6, d) of Σp, angular rows in metres, that the legs allow where nothing gives."""
+    return motions(mechanism, scaled_tips(mechanism, x)).platform
 
 
 def held_joints(at: Statics) -> Array:
@@ -191,10 +199,12 @@ def at_rest(
     start = single(name, on_closure(mechanism, still))
     check_health(mechanism, examined(mechanism, start)[1])
 
+    sags = mechanism.soft and rank(stiff_motions(mechanism, start)) < 6  # along what only soft tips hold
+
     def moved(x: Array, motion: Array) -> Array:
-        return projected(
-            mechanism, state_of(mechanism, bent(mechanism, start, displaced(mechanism, x, motion)))
-        )
+        there = displaced(mechanism, x, motion)
+        there = there if sags else bent(mechanism, start, there)
+        return projected(mechanism, state_of(mechanism, there))
 
     none = np.zeros(mechanism.n_forces)
     return equilibrium(mechanism, start, moved, held_pose, held_load(mechanism, wrenches), none)

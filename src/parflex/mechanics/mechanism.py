@@ -9,39 +9,12 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.mechanics.floor import Base
+from parflex.mechanics.health_places import Health
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
 from parflex.mechanics.legs.gathered import alone, side_by_side
 from parflex.mechanics.platform import Platform, platform_of
 from parflex.robot.layout import Layout, spans
 from parflex.robot.robot import Robot
-
-
-class Health(NamedTuple):
-    """The places of the entries of `system.health`, all in the order of the legs.
-
-    The orders give the place of each entry among those by group.
-    """
-
-    reach: slice
-    regularity: slice
-    open: slice  # of the flexures at tips
-    gap: slice
-    gap_rate: slice
-    leg_order: Array
-    open_order: Array
-    gap_order: Array
-    open_legs: Array  # the number of the leg that each flexure belongs to
-    gap_legs: Array  # the number of the leg that each gap belongs to
-
-    @property
-    def margins(self) -> slice:
-        """All that must be positive: reach, regularity, and flexures that are not turned about."""
-        return slice(0, self.open.stop)
-
-    @property
-    def size(self) -> int:
-        """The number of entries."""
-        return self.gap_rate.stop
 
 
 class Rows(NamedTuple):
