@@ -58,10 +58,10 @@ def accelerations(
     return np.concatenate([twist, rate[at.elastic_rate], rate[at.joint_rates]])
 
 
-def by_motions(core: Core, answer) -> np.ndarray:
+def by_motions(core: Core, answer, steps=STEPS) -> np.ndarray:
     """∂ of a function of a flat state's small motion, with a step for each kind of motion."""
     motions, columns = core.mechanism.layout.motions, []
-    for part, step in zip(motions, (STEPS[name] for name in motions._fields), strict=True):
+    for part, step in zip(motions, (steps[name] for name in motions._fields), strict=True):
         along = np.eye(core.mechanism.layout.motion_size)[part]
         columns.append(difference(lambda d, along=along: answer(d @ along), len(along), step))
     return np.concatenate(columns, axis=-1)
@@ -99,7 +99,8 @@ def test_soft_tips_against_differences(name, which):
     model = pf.Model(robot, "numpy", parameters=[of_tip, f"{of_tip}_damping"])
     core, state, forces = core_of(model), pulled_off(robot, 1), np.linspace(-50.0, 80.0, robot.n_forces)
     found, x = model.direct_jacobian(state, forces), core.flat(state)
-    expected = by_motions(core, lambda d: accelerations(core, moved(x, d), forces))
+    steps = STEPS | {"joint_rates": 1e-2}  # half the step, three times the error: it is round-off
+    expected = by_motions(core, lambda d: accelerations(core, moved(x, d), forces), steps)
     assert by_column(np.concatenate([found.state, found.carried]), expected) <= DIFFERENCES
     theta = core.functions.theta
 
