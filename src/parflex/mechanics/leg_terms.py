@@ -28,7 +28,7 @@ EMPTY: Any = ()  # a tree without arrays
 
 
 class OfFlexures(NamedTuple):
-    """What the flexures at the tips of L legs do, and where they are; all (…, L, 0, c) without flexures, and
+    """The flexures at the tips of L legs: their moments, forces and places; all (…, L, 0, c) without flexures, and
     the last three where no tip is soft."""
 
     bending: Array  # θ (…, L, t, 3)
