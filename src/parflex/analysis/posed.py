@@ -1,10 +1,10 @@
 """Inverse models that mean nothing: what legs that bend, and soft tips, make of the gains from forces to an
 output.
 
-Where a compliance lies between motor and platform, the platform does not accelerate with the motor but after
-it. Through a drive that gives, or through soft tips alone, the instantaneous gain is zero, and there is no
-inverse. Of links with mass it is an accident of the chosen shapes: it alternates in sign, and tends to 0, with
-their number.
+Where a compliance lies between motor and platform, the platform does not accelerate with the motor but
+after it. Through a drive that gives, or through soft tips alone, the instantaneous gain is zero, and there
+is no inverse. Of links with mass it is an accident of the chosen shapes: it alternates in sign, and tends
+to 0, with their number.
 """
 
 import numpy as np

@@ -97,14 +97,6 @@ def lapack_solve(a: Array, b: Array) -> Array:
         return np.where(bad, np.nan, np.linalg.solve(np.where(bad, np.eye(a.shape[-1]), a), b))
 
 
-def root(a: Array) -> Array:
-    """√a, of symbols too, some of which may be numbers."""
-    if a.dtype != object:
-        return np.asarray(np.sqrt(a))
-    each_root = np.frompyfunc(lambda v: v.sqrt() if hasattr(v, "sqrt") else math.sqrt(v), 1, 1)
-    return np.asarray(each_root(a), dtype=object)
-
-
 def solve_definite(a: Array, b: Array, step: int = 1) -> Array:
     """x with a x = b for a symmetric positive definite: (…, n, n), (…, n, c) -> (…, n, c).
 
@@ -204,7 +196,7 @@ def substituted(factor: Array, b: Array) -> Array:
 
 def root(a: Array) -> Array:
     """The square roots of floats, or of symbols among which there may be constants."""
-    return np.frompyfunc(partial(called, "sqrt"), 1, 1)(a) if a.dtype == object else np.sqrt(a)
+    return np.asarray(np.frompyfunc(partial(called, "sqrt"), 1, 1)(a) if a.dtype == object else np.sqrt(a))
 
 
 def solve_least_norm(a: Array, b: Array) -> Array:

@@ -28,8 +28,8 @@ EMPTY: Any = ()  # a tree without arrays
 
 
 class OfFlexures(NamedTuple):
-    """The flexures at the tips of L legs: their moments, forces and places; all (…, L, 0, c) without flexures, and
-    the last three where no tip is soft."""
+    """The flexures at the tips of L legs: moments, forces and places; all (…, L, 0, c) without flexures,
+    and the last three where no tip is soft."""
 
     bending: Array  # θ (…, L, t, 3)
     spin: Array  # ω (…, L, t, 3) of the legs' sections relative to the platform's, in the axes of these

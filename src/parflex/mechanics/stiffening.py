@@ -1,5 +1,5 @@
-"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has, motors
-move with what they drive, and soft tips hold the platform."""
+"""Legs that do not accelerate in their bend: each flexible link is taken as a body of the shape it has,
+motors move with what they drive, and soft tips hold the platform."""
 
 from dataclasses import replace
 
