@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         DynamicSingularity as DynamicSingularity,
         ImplausibleValue as ImplausibleValue,
         InputError as InputError,
+        NoForeshortening as NoForeshortening,
         NotConverged as NotConverged,
         OutOfReach as OutOfReach,
         PartialRun as PartialRun,
@@ -82,8 +83,8 @@ if TYPE_CHECKING:
 _NAMES = {  # of each module; loaded at first use, so that `import parflex` is quick
     "analysis.mobility": "Mobility",
     "analysis.zero_dynamics": "OutputReport",
-    "base.errors": "DynamicSingularity ImplausibleValue InputError NotConverged OutOfReach PartialRun "
-    "SingularPose",
+    "base.errors": "DynamicSingularity ImplausibleValue InputError NoForeshortening NotConverged OutOfReach "
+    "PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "mechanics.cartesian": "Cartesian",

@@ -26,6 +26,11 @@ class DynamicSingularity(UserWarning):
     against its actuators, and feedback of that output would be unstable."""
 
 
+class NoForeshortening(UserWarning):
+    """A flexible link does not know that it becomes shorter as it bends: compression stiffens it, where it should
+    soften it."""
+
+
 class PartialRun(UserWarning):
     """A simulation ended before its last output time; its result holds what was reached."""
 

@@ -23,6 +23,7 @@ from parflex.fe.imports.importers import IMPORTERS, import_modes
 from parflex.fe.imports.matrices import read_matrices
 from parflex.fe.imports.modal_arrays import read_arrays
 from parflex.fe.imports.nastran.nastran import read_nastran
+from parflex.fe.links.link import link
 from parflex.fe.modal_file import read_modes, write_modes
 from parflex.fe.plate.plate import plate_body, plate_modes
 from parflex.fe.plate.polygon import circle
@@ -64,6 +65,7 @@ __all__ = [
     "circle",
     "converged",
     "import_modes",
+    "link",
     "material",
     "mesh_from",
     "modes",

@@ -53,6 +53,20 @@ def shifted(old: Moments, o: Array) -> Moments:
     )
 
 
+def turned(old: Moments, R: Array) -> Moments:
+    """The integrals in other axes, the columns of R (3, 3) in those of old."""
+    return Moments(old.m, old.MS0 @ R, R.T @ old.P0 @ R, R.T @ old.S, R.T @ old.P1 @ R, R.T @ old.P2 @ R)
+
+
+def combined(old: Moments, V: Array) -> Moments:
+    """The integrals of the combinations Σ_k Φ_k V_kn of the shapes."""
+    return old._replace(
+        S=old.S @ V,
+        P1=np.einsum("kn,kab->nab", V, old.P1),
+        P2=np.einsum("kn,jm,kjab->nmab", V, V, old.P2, optimize=True),
+    )
+
+
 def with_point(old: Moments, m: float, r: Array, Phi: Array) -> Moments:
     """The integrals with a point mass m at r (3,), displaced by Φ (N, 3): they grow by m Φ Φᵀ."""
     return Moments(

@@ -44,7 +44,7 @@ class FreeBody:
     well below the lowest elastic ω² if it can, makes K + shift M definite. `triangles` (T, 3) are
     a surface; `corners` are the nodes held by default. `materials` are what it is made of, where that is
     known; `solid`, its elements and materials, is kept for stresses; `report` is the check report of
-    imported matrices.
+    imported matrices, `ids` (K,) the node numbers of their program.
     """
 
     nodes: Array
@@ -63,6 +63,7 @@ class FreeBody:
     materials: tuple[Material, ...] = ()
     solid: Solid | None = None
     report: Report | None = None
+    ids: tuple[int, ...] = ()
     memory: Memory = field(default_factory=Memory, init=False, repr=False)
 
     @property

@@ -73,7 +73,7 @@ def free_body(
     check_equilibrium(ids, body)
     report = matrix_report(body)
     check_size(body.nodes, report.body.mass, report.first)
-    return replace(body, report=report)
+    return replace(body, report=report, ids=tuple(int(i) for i in ids))
 
 
 def check_equilibrium(ids: Array, body: FreeBody) -> None:

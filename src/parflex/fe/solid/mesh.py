@@ -134,7 +134,7 @@ def one_piece(r: Array, cells: Array) -> None:
     gap = float(np.min(cKDTree(one).query(rest)[0]))
     raise InputError(
         f"the mesh has {len(names)} parts that do not touch, {gap:.3g} m apart at their nearest nodes; a "
-        f"platform is one body: join them, or mesh their common faces alike"
+        f"body is one piece: join them, or mesh their common faces alike"
     )
 
 

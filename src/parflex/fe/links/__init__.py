@@ -1,0 +1,1 @@
+"""Flexible links from finite elements: bodies clamped at the frame of a joint."""
