@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 
 import parflex as pf
-from arguments import BAD, NONE, Door, array, number, other, positive, thing, things, whole
+from arguments import BAD, NONE, Door, array, number, other, positive, rotation, thing, things, whole
 from blocks import box
 from doors import RATIO
 from solid_plates import MATERIAL
@@ -15,6 +15,7 @@ SOLID = pf.fe.solid_body(MESH, MATERIAL)
 OUTLINE = [[0.0, 0], [1, 0], [1, 1], [0, 1]]
 MODES = pf.fe.plate_modes(OUTLINE, 0.01, n_modes=2, refine=2, material=MATERIAL)
 HELD = {"n": 1, "points": MESH.nodes[:1], "radius": 0.5}
+LINKED = {"body": SOLID, "frame": (-0.3, 0, 0), "interfaces": [(0.3, 0, 0)], "n_modes": 1}
 OF_SOLID = pf.fe.FreeFree(**HELD).modes(SOLID)
 
 NUMBERS = {"young": 7e10, "poisson": 0.3, "density": 2700.0}
@@ -92,6 +93,21 @@ DOORS: dict[str, Door] = {
     "fe.circle": Door(pf.fe.circle, {"radius": positive(), "corners": whole(6)}),
     "fe.converged": Door(pf.fe.converged, {"modes": thing(OF_SOLID)} | REACH),
     "fe.material": Door(pf.fe.material, {"name": other("steel", word="material", number=1.0, **BAD, **NONE)}),
+    "fe.link": Door(
+        lambda **given: pf.fe.link(**(LINKED | given)),
+        {
+            "body": thing(SOLID),
+            "frame": array([-0.3, 0, 0]),
+            "interfaces": array([[0.3, 0, 0]]),
+            "rotation": rotation(none=True),
+            "ids": other(None, text="abc", number=1.0, halves=[[0.5], [0.5]], far=[[99999], [0]]),
+            "radius": positive(0.5, none=True, word="radius|frame"),
+            "n_modes": whole(1, none=True),
+            "negligible": number(0.0),
+            "foreshortening": array(np.zeros((1, 3, 7, 7)), none=True),
+        }
+        | RATIO,
+    ),
     "fe.modes": Door(
         partial(pf.fe.modes, points=HELD["points"], radius=0.5),
         {"body": thing(SOLID), **JOINTS, "n": whole(1, none=True)} | REACH,

@@ -23,7 +23,10 @@ PLATFORMS = {  # those that the templates lack
     "imported": {"program": "nastran", "files": {"op2": "none.op2"}, "units": "SI"},
 }
 BEAM = {"end": [0.0, 0, 0.6], "outer": 0.03, "young": 2e11, "poisson": 0.3, "density": 7850.0}
-LINKS = {"beam": BEAM}, {"body": {"kind": "modal", "file": "none.nc"}}  # those that the templates lack
+PART = {"kind": "solid", "file": "none.step", "frame": [0.0, 0, 0], "interfaces": [[0.0, 0, 0.6]], **MATERIAL}
+FOREIGN = {"kind": "imported", "program": "matrices", "files": {"stiffness": "none.npz"}, "units": "SI"}
+BODIES = {"kind": "modal", "file": "none.nc"}, PART, FOREIGN
+LINKS = {"beam": BEAM}, *({"body": body} for body in BODIES)  # those that the templates lack
 FLEXURE = {"bending": 5.0, "torsion": 9.0}
 COUPLING = {"joints": [1, 2], "stiffness": [[5.0, 1.0], [1.0, 4.0]]}
 CONTROLLERS = (

@@ -27,8 +27,8 @@ class DynamicSingularity(UserWarning):
 
 
 class NoForeshortening(UserWarning):
-    """A flexible link does not know that it becomes shorter as it bends: compression stiffens it, where it should
-    soften it."""
+    """A flexible link does not know that it becomes shorter as it bends: compression stiffens it, where it
+    should soften it."""
 
 
 class PartialRun(UserWarning):

@@ -19,7 +19,7 @@ from parflex.fe.body.solid import Solid
 from parflex.fe.imports.calculix.calculix import read_calculix
 from parflex.fe.imports.calculix.storage import calculix_body
 from parflex.fe.imports.importer import Importer
-from parflex.fe.imports.importers import IMPORTERS, import_modes
+from parflex.fe.imports.importers import IMPORTERS, import_modes, read_files
 from parflex.fe.imports.matrices import read_matrices
 from parflex.fe.imports.modal_arrays import read_arrays
 from parflex.fe.imports.nastran.nastran import read_nastran
@@ -74,6 +74,7 @@ __all__ = [
     "plate_modes",
     "read_arrays",
     "read_calculix",
+    "read_files",
     "read_matrices",
     "read_mesh",
     "read_modes",

@@ -8,7 +8,7 @@ from pydantic import Field, create_model, model_validator
 
 from parflex.base.errors import InputError
 from parflex.files.described import entry, table_of, values_of
-from parflex.files.platform_schema import ModalTable
+from parflex.files.link_schema import LinkTable
 from parflex.files.tables import Flag, Point, Table, Whole
 from parflex.robot.beam import Beam
 from parflex.robot.fields import Column, described
@@ -28,7 +28,7 @@ class JointTable(Table):
     beam: BeamTable | None = Field(
         None, description="a flexible link, a tube or bar, instead of mass, com and inertia"
     )
-    body: ModalTable | None = Field(None, description="any flexible link, likewise")
+    body: LinkTable | None = Field(None, description="any flexible link, likewise")
 
     @model_validator(mode="after")
     def _one_centre(self) -> "JointTable":

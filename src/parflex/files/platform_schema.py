@@ -48,20 +48,25 @@ class RigidTable(Table):
         return self
 
 
-class MadeTable(Table):
-    """A platform of one material, by name or by its numbers, whose modes are computed."""
+class MaterialTable(Table):
+    """A body of one material, by name or by its numbers, whose modes are computed."""
 
     material: str | None = Field(None, description=f"{names()}; or young, poisson, density")
     young: Annotated[float, Measure(kinds.PRESSURE)] | None = Field(None, description="Young's modulus")
     poisson: Number | None = Field(None, description="Poisson's ratio")
     density: Annotated[float, Measure(kinds.DENSITY)] | None = Field(None, description="of the material")
     damping_ratio: Ratios = Field(0.0, description="one for all modes, or one for each")
-    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
 
     @property
     def made_of(self) -> Material:
         """The material; raises InputError where it is not told, or told twice."""
         return chosen(self.material, self.young, self.poisson, self.density)
+
+
+class MadeTable(MaterialTable):
+    """A platform of one material, whose modes are computed."""
+
+    origin: Point | None = Field(None, description="the platform frame's origin; by default the centre")
 
 
 class PolygonTable(MadeTable):

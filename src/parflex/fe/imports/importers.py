@@ -42,17 +42,7 @@ def import_modes(
 
     Raises InputError for a program or file that is not known, and what the reader raises.
     """
-    by_name = {importer.name: importer for importer in importers}
-    if program not in by_name:
-        raise InputError(f"program is {program!r}; choose one of {', '.join(by_name)}")
-    importer = by_name[program]
-    given = {name: path for name, path in files.items() if path is not None}
-    missing = [name for name in importer.files if name not in given]
-    strange = [name for name in given if name not in (*importer.files, *importer.optional)]
-    if missing or strange:
-        wrong = f"{missing[0]} is not given" if missing else f"{strange[0]} is not one of its files"
-        raise InputError(f"{wrong}; {importer.takes}")
-    read = importer.read(**given, units=units)
+    read = read_files(program, files, units, importers)
     if isinstance(read, FreeBody):
         if ids is not None or points is None:
             raise InputError(
@@ -63,3 +53,26 @@ def import_modes(
     if ids is None and points is None:
         return found
     return attached(found, ids, points, radius)
+
+
+def read_files(
+    program: str,
+    files: Mapping[str, str | PathLike[str]],
+    units: str,
+    importers: Sequence[Importer] = IMPORTERS,
+) -> ComputedModes | FreeBody:
+    """The modes, or the body whose modes have to be computed, of the files of a program.
+
+    Raises InputError for a program or file that is not known, and what the reader raises.
+    """
+    by_name = {importer.name: importer for importer in importers}
+    if program not in by_name:
+        raise InputError(f"program is {program!r}; choose one of {', '.join(by_name)}")
+    importer = by_name[program]
+    given = {name: path for name, path in files.items() if path is not None}
+    missing = [name for name in importer.files if name not in given]
+    strange = [name for name in given if name not in (*importer.files, *importer.optional)]
+    if missing or strange:
+        wrong = f"{missing[0]} is not given" if missing else f"{strange[0]} is not one of its files"
+        raise InputError(f"{wrong}; {importer.takes}")
+    return importer.read(**given, units=units)

@@ -10,7 +10,8 @@ from parflex.robot.body import FlexibleBody
 
 def buckling_load(body: FlexibleBody, attachment: int) -> float:
     """An estimate of Euler's load (N) of a link that is pinned at its frame and at an attachment, from the
-    stiffness k of its softest bending there: π² E I / ℓ² with k = 3 E I / ℓ³; infinite where it does not bend."""
+    stiffness k of its softest bending there: π² E I / ℓ² with k = 3 E I / ℓ³; infinite where it does not
+    bend."""
     point, Phi = body.attachment_points[attachment], body.attachment_shapes[attachment]
     length = float(np.linalg.norm(point))
     across = np.eye(3) - np.outer(point, point) / length**2
@@ -25,9 +26,10 @@ def doubt_buckling(body: FlexibleBody) -> None:
     if np.isinf(load):
         return
     warnings.warn(
-        f"the link has no foreshortening, which its matrices or modes do not tell: a load P along it changes its "
-        f"bending by P / P_cr in the wrong direction, P_cr about {load:.3g} N from its first bending stiffness; "
-        f"keep loads far below that, give foreshortening (attachments, 3, N, N), or mesh the part as a solid here",
+        f"the link has no foreshortening, which its matrices or modes do not tell: a load P along it changes "
+        f"its bending by P / P_cr in the wrong direction, P_cr about {load:.3g} N from its first bending "
+        f"stiffness; keep loads far below that, give foreshortening (attachments, 3, N, N) in Python, or "
+        f"mesh the part as a solid here",
         NoForeshortening,
         stacklevel=4,
     )

@@ -1,6 +1,7 @@
 """A body with some of its nodes fixed: its static response, and its modes.
 
-K_ff u = f over the unknowns that are free; what is fixed moves with the frame of the link, as one rigid piece.
+K_ff u = f over the unknowns that are free; what is fixed moves with the frame of the link, as one rigid
+piece.
 """
 
 from collections.abc import Callable
@@ -33,7 +34,9 @@ class Clamped:
     def inverse(self) -> Callable[[Array], Array]:
         """The function that applies K_ff⁻¹. Raises InputError where K_ff is not positive."""
         with waiting(f"factorising {len(self.free)} unknowns"):
-            return positive_inverse("stiffness", self._part(self.body.stiffness))
+            return positive_inverse(
+                "stiffness is not positive definite with the frame held", self._part(self.body.stiffness)
+            )
 
     def static(self, loads: Array) -> Array:
         """K_ff⁻¹ f: displacements (n, p) under loads (n, p)."""
@@ -46,8 +49,8 @@ class Clamped:
         """The lowest modes (n, count). Raises InputError for more than the mesh can carry."""
         if count > len(self.free) // 4:
             raise InputError(
-                f"n_modes is {count}, more than the {len(self.free)} free unknowns of this mesh can carry; ask "
-                f"for fewer, or refine the mesh"
+                f"n_modes is {count}, more than the {len(self.free)} free unknowns of this mesh can carry; "
+                f"ask for fewer, or refine the mesh"
             )
         if count == 0:
             return np.zeros((self.body.unknowns, 0))
@@ -70,11 +73,11 @@ class Clamped:
         return out
 
 
-def positive_inverse(name: str, matrix: Sparse) -> Callable[[Array], Array]:
+def positive_inverse(complaint: str, matrix: Sparse) -> Callable[[Array], Array]:
     """The function that applies the inverse of a symmetric matrix, by L D Lᵀ without pivots, whose signs are
     those of its eigenvalues.
 
-    Raises InputError where one is not positive.
+    Raises InputError, which begins with the complaint, where one is not positive.
     """
     try:
         lu = splu(
@@ -89,7 +92,7 @@ def positive_inverse(name: str, matrix: Sparse) -> Callable[[Array], Array]:
     wrong = int(np.sum(~(pivots > 0)))
     if wrong:
         raise InputError(
-            f"{name} is not positive definite with the frame held: {wrong} of its pivots are not positive; the "
-            f"matrix is damaged, or a part of the body hangs on nothing"
+            f"{complaint}: {wrong} of its pivots are not positive; the matrix is damaged, or a part of the "
+            f"body hangs on nothing"
         )
     return lu.solve

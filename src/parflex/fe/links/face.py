@@ -16,14 +16,15 @@ TIED = 1e-3  # of the body's size: distances from a point that are equal
 
 
 def face_at(r: Array, triangles: Array, name: str, point: Array) -> Array:
-    """The nodes, of those at r (K, 3), of the face of triangles (T, 3) on which a point (3,) m lies, within its outline or in its hole.
+    """The nodes, of those at r (K, 3), of the face of triangles (T, 3) on which a point (3,) m lies, within
+    its outline or in its hole.
 
     Raises InputError where the body has no surface, and where the point lies on no face.
     """
     if not len(triangles):
         raise InputError(
-            f"{name} names a face, but the body has no surface, only nodes; give ids, the numbers of the nodes "
-            f"of the frame and of each interface, or radius, within which they are"
+            f"{name} names a face, but the body has no surface, only nodes; give ids, the numbers of the "
+            f"nodes of the frame and of each interface, or radius, within which they are"
         )
     corners = r[triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.array import Array, without_roundoff
-from parflex.base.check import exactly, integer, scalar, single_rotation
+from parflex.base.check import integer, scalar, single_rotation
 from parflex.base.errors import InputError
 from parflex.fe.body.attach import first
 from parflex.fe.body.basis import ComputedModes
@@ -21,7 +21,8 @@ from parflex.fe.links.clamped import Clamped, positive_inverse
 from parflex.fe.links.places import Patches, patches
 from parflex.fe.links.refixed import refixed
 from parflex.fe.links.shortening import shortening
-from parflex.robot.body import FlexibleBody, shortening as checked_shortening
+from parflex.robot.body import FlexibleBody
+from parflex.robot.body import shortening as checked_shortening
 from parflex.robot.modal import modal_diagonals, modal_mass
 from parflex.robot.modes import Modes
 from parflex.robot.moments import shifted, turned
@@ -44,35 +45,40 @@ def link(
 ) -> FlexibleBody:
     """A part as a flexible link, as `pf.beam` is one: the body of a `Joint`, clamped at its frame.
 
-    `body` is a solid (`solid_body(step_mesh(…), "steel")`), matrices (`read_matrices`, `calculix_body`), or the
-    modes of a free body that another program computed. `frame` (3,) m is the origin of the joint's frame in the
-    part's coordinates, `rotation` (3, 3) has the axes of that frame as columns, by default those of the part;
-    `interfaces` (k, 3) m are the link's attachments, in their order. Each holds the face that it lies on or in
-    whose hole it is, with a `radius` (m) the surface's nodes within it, or nodes by the numbers of the program:
-    `ids` are those of the frame, then of each interface, whose points are their centres where none are given.
+    `body` is a solid (`solid_body(step_mesh(…), "steel")`), matrices (`read_matrices`, `calculix_body`), or
+    the modes of a free body that another program computed. `frame` (3,) m is the origin of the joint's
+    frame in the part's coordinates, `rotation` (3, 3) has the axes of that frame as columns, by default
+    those of the part; `interfaces` (k, 3) m are the link's attachments, in their order. Each holds the face
+    that it lies on or in whose hole it is, with a `radius` (m) the surface's nodes within it, or nodes by
+    the numbers of the program: `ids` are those of the frame, then of each interface, whose points are their
+    centres where none are given.
 
-    The frame's nodes are fixed to it as one rigid piece; an interface moves and turns as its nodes do in the mean
-    (an RBE3). The basis has the `n_modes` lowest modes of the body so held, by default 4, and the shapes of a
-    force and of a moment at each interface along three axes: the static stiffness there is the finite elements'.
-    Directions whose compliance is at most `negligible` of the largest of their kind at their interface count as
-    rigid. Modes of another program are kept, by default all, less the motion of the frame's nodes in the mean: the
-    static stiffness is that of those modes. `foreshortening` (k, 3, N, N), in the joint's axes, is computed of a
-    solid; of others it may be given.
+    The frame's nodes are fixed to it as one rigid piece; an interface moves and turns as its nodes do in
+    the mean (an RBE3). The basis has the `n_modes` lowest modes of the body so held, by default 4, and the
+    shapes of a force and of a moment at each interface along three axes: the static stiffness there is the
+    finite elements'. Directions whose compliance is at most `negligible` of the largest of their kind at
+    their interface count as rigid. Modes of another program are kept, by default all, less the motion of
+    the frame's nodes in the mean: the static stiffness is that of those modes. `foreshortening` (k, 3, N,
+    N), in the joint's axes, is computed of a solid; of others it may be given.
 
-    Warns NoForeshortening where there is none. Raises InputError where a patch is missing, nowhere on the part,
-    shares nodes with another or does not say how it turns, for a stiffness or mass that is not positive, and for
-    more modes than there are.
+    Warns NoForeshortening where there is none. Raises InputError where a patch is missing, nowhere on the
+    part, shares nodes with another or does not say how it turns, for a stiffness or mass that is not
+    positive, and for more modes than there are.
     """
     if not isinstance(body, FreeBody | Modes):
-        raise InputError(f"body is {type(body).__name__}; expected a FreeBody, as solid_body makes one, or Modes")
+        raise InputError(
+            f"body is {type(body).__name__}; expected a FreeBody, as solid_body makes one, or Modes"
+        )
     if isinstance(body, FreeBody) and not body.patches:
         raise InputError("body is a plate, of which no link is made; mesh it as a solid: pf.fe.outline_mesh")
     held = patches(body, frame, interfaces, ids, radius)
     R = np.eye(3) if rotation is None else single_rotation("rotation", rotation)
     part = 1.0 * scalar("negligible", negligible)
+    modes: Modes
     H: Array | None
     if isinstance(body, FreeBody):
-        modes, H = of_elements(body, held, MODES if n_modes is None else integer("n_modes", n_modes), part)
+        count = MODES if n_modes is None else integer("n_modes", n_modes)
+        modes, H = of_elements(body, held, count, part)
     else:
         modes, H = refixed(first(body, n_modes), held), None
     found = in_frame(modes, held.points[0], R, damping_ratio, H)
@@ -87,10 +93,12 @@ def link(
 def of_elements(
     body: FreeBody, held: Patches, count: int, negligible: float
 ) -> tuple[ComputedModes, Array | None]:
-    """The modes of a body held at its frame, in the part's coordinates, at the frame and the interfaces; and H
-    (k, 3, N, N) of the interfaces, of solids."""
+    """The modes of a body held at its frame, in the part's coordinates, at the frame and the interfaces;
+    and H (k, 3, N, N) of the interfaces, of solids."""
     if body.solid is None:
-        positive_inverse("mass", body.mass[0::3, 0::3])  # a product with 1 in three directions
+        positive_inverse(
+            "mass is not positive definite", body.mass[0::3, 0::3]
+        )  # a product with 1 in three directions
     clamped = Clamped(body, held.nodes[0])
     ends = tuple(patch(body, *each) for each in zip(*(part[1:] for part in held), strict=True))
     loads = np.hstack([rows.toarray().T for end in ends for rows in (end.displacement, end.rotation)])
@@ -147,18 +155,24 @@ def at_places(body: FreeBody, vectors: Array, held: Patches) -> ComputedModes:
     return with_places(modes, list(held.nodes), list(held.points))
 
 
-def in_frame(modes: Modes, origin: Array, R: Array, damping_ratio: ArrayLike, H: Array | None) -> FlexibleBody:
-    """The body of modes that are held at the frame and the interfaces, in the axes R of the joint's frame."""
+def in_frame(
+    modes: Modes, origin: Array, R: Array, damping_ratio: ArrayLike, H: Array | None
+) -> FlexibleBody:
+    """The body of modes that are held at the frame and the interfaces, in the axes R of the joint's frame,
+    whose origin is the first node."""
     moments = turned(shifted(modes.moments, origin), R)
     stiffness, damping = modal_diagonals(moments, modes.frequencies, damping_ratio)
+    at = modes.corners[0]  # after the nodes of the part, before the interfaces
+    order = [at, *range(at), *range(at + 1, len(modes.nodes))]
+    assert modes.rotations is not None  # of patches
     return FlexibleBody(
         moments,
-        without_roundoff((modes.nodes - origin) @ R),
-        modes.shapes @ R,
-        None if modes.rotations is None else modes.rotations @ R,
+        without_roundoff((modes.nodes[order] - origin) @ R),
+        modes.shapes[:, order] @ R,
+        modes.rotations[:, order] @ R,
         stiffness,
         damping,
         modes.corners[1:],
-        modes.triangles,
+        modes.triangles + 1,
         None if H is None else np.einsum("iakl,ab->ibkl", H, R),
     )

@@ -15,7 +15,7 @@ from parflex.fe.links.face import face_at
 from parflex.robot.modes import Modes
 
 SLENDER = 1e-6  # a patch that is thinner, of its length, does not say how it turns
-FEW = f"fewer than {FEWEST} nodes, or in one line, which does not say how it turns; give more nodes"
+FEW = "which do not say how it turns, since they are fewer than three or in one line; give more nodes"
 
 
 class Patches(NamedTuple):
@@ -38,24 +38,17 @@ def patches(
     Raises InputError where one is missing, nowhere on the part, shares nodes with another, or does not say
     how it turns.
     """
-    if ids is None:
+    if ids is not None:
+        if not isinstance(ids, Sequence | np.ndarray) or isinstance(ids, str):
+            raise InputError(f"ids is {type(ids).__name__}; give a list of lists of node numbers")
+        names, points, found = by_number(body, list(ids), frame, interfaces, radius)
+    else:
         names, points = wanted_points(frame, interfaces)
         if radius is None:
             found = [face_at(body.nodes, body.triangles, *each) for each in zip(names, points, strict=True)]
         else:
             reach = positive("radius", radius)
             found = nodes_within(body.nodes, body.triangles, list(names), np.array(points), reach)
-    else:
-        if radius is not None:
-            raise InputError(f"radius is {radius} beside ids, which name all nodes of the patches; keep one of them")
-        groups = list(ids)
-        if len(groups) < 2:
-            raise InputError(
-                f"ids has {len(groups)} lists of nodes; give the nodes of the frame, then those of each interface"
-            )
-        names = ("frame", *(f"interfaces[{k}]" for k in range(len(groups) - 1)))
-        found = [numbered(body, k, group) for k, group in enumerate(groups)]
-        points = centres(body, found, frame, interfaces)
     unshared(list(names), found)
     for name, nodes in zip(names, found, strict=True):
         check_turns(name, body.nodes[nodes])
@@ -72,19 +65,39 @@ def wanted_points(
             "frame is missing; give the point of the part that is the origin of the joint's frame, (3,) m, "
             "or ids, the nodes of the frame and of each interface"
         )
-    if interfaces is None or np.size(interfaces) == 0:
+    none = interfaces is None or (isinstance(interfaces, Sequence) and not interfaces)
+    points = np.zeros((0, 3)) if none else exactly("interfaces", interfaces, (None, 3))
+    if not len(points):
         raise InputError(
-            "interfaces is missing; give the points (k, 3) m of the part where the next joints and the tips sit"
+            "interfaces is missing; give the points (k, 3) m of the part where next joints and tips sit"
         )
-    points = exactly("interfaces", interfaces, (None, 3))
     names = ("frame", *(f"interfaces[{k}]" for k in range(len(points))))
     return names, (exactly("frame", frame, (3,)), *points)
 
 
+def by_number(
+    body: FreeBody | Modes,
+    groups: list[Sequence[int]],
+    frame: ArrayLike | None,
+    interfaces: ArrayLike | None,
+    radius: float | None,
+) -> tuple[tuple[str, ...], tuple[Array, ...], list[Array]]:
+    """Names, points and rows of the patches whose nodes are given by their numbers."""
+    if radius is not None:
+        raise InputError(f"radius is {radius} beside ids, which name all nodes of the patches; keep one")
+    if len(groups) < 2:
+        raise InputError(
+            f"ids has {len(groups)} lists of nodes; give the nodes of the frame, then of each interface"
+        )
+    found = [numbered(body, k, group) for k, group in enumerate(groups)]
+    names = ("frame", *(f"interfaces[{k}]" for k in range(len(groups) - 1)))
+    return names, centres(body, found, frame, interfaces), found
+
+
 def numbered(body: FreeBody | Modes, number: int, group: Sequence[int]) -> Array:
     """The rows of nodes that are given by the numbers of the program; from 0 where it has none."""
-    if isinstance(group, int | np.integer):
-        group = [int(group)]
+    if not isinstance(group, Sequence | np.ndarray) or isinstance(group, str):
+        raise InputError(f"ids[{number}] is {group!r}; give a list of node numbers")
     known = body.ids or range(len(body.nodes))
     rows = {node: row for row, node in enumerate(known)}
     for node in group:
@@ -107,7 +120,7 @@ def check_turns(name: str, nodes: Array) -> None:
     """Raise InputError for nodes (n, 3) whose displacements do not tell a rotation."""
     spread = np.linalg.svd(nodes - np.mean(nodes, axis=0), compute_uv=False) if len(nodes) else np.zeros(3)
     if len(nodes) < FEWEST or spread[1] <= SLENDER * spread[0]:
-        raise InputError(f"{name} is a patch of {len(nodes)} nodes: {FEW}")
+        raise InputError(f"{name} is a patch of {len(nodes)} nodes, {FEW}")
 
 
 def check_apart(names: Sequence[str], points: Sequence[Array]) -> None:

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.linalg import eigh
 
 from parflex.base.array import Array, skew, transpose
-from parflex.fe.body.attach import without_reduction
+from parflex.fe.body.basis import without_reduction
 from parflex.fe.body.joints import with_places
 from parflex.fe.links.places import Patches
 from parflex.robot.modal import modal_mass
@@ -37,7 +37,8 @@ def refixed(modes: Modes, held: Patches) -> Modes:
 
 
 def less_rigid(old: Moments, a: Array, theta: Array) -> Moments:
-    """The integrals, about a point, of shapes less displacements a (N, 3) of the point and rotations (N, 3)."""
+    """The integrals, about a point, of shapes less displacements a (N, 3) of the point and rotations (N,
+    3)."""
     hat = skew(theta)
     S = old.m * a + hat @ old.MS0
     P1 = a[:, :, None] * old.MS0 + hat @ old.P0

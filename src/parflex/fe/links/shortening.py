@@ -1,4 +1,5 @@
-"""What an interface of a bent link comes nearer by: H, from the geometric stiffness of the link's own elements.
+"""Foreshortening, by which an interface of a bent link comes nearer: H, from the geometric stiffness of the
+link's own elements.
 
 A unit tension along t, from the frame to the interface, makes stresses σ in the body; with them
 
