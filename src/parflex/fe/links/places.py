@@ -65,8 +65,9 @@ def wanted_points(
             "frame is missing; give the point of the part that is the origin of the joint's frame, (3,) m, "
             "or ids, the nodes of the frame and of each interface"
         )
-    none = interfaces is None or (isinstance(interfaces, Sequence) and not interfaces)
-    points = np.zeros((0, 3)) if none else exactly("interfaces", interfaces, (None, 3))
+    if interfaces is None or (isinstance(interfaces, Sequence) and not interfaces):
+        interfaces = np.zeros((0, 3))
+    points = exactly("interfaces", interfaces, (None, 3))
     if not len(points):
         raise InputError(
             "interfaces is missing; give the points (k, 3) m of the part where next joints and tips sit"
