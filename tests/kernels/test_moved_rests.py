@@ -109,9 +109,10 @@ def test_the_work_of_rests_that_move_closes_the_balance():
     for n, (i, j) in enumerate(springs(robot)):
         joint, q, qd = robot.legs[i].joints[j], joints.q[i][j], joints.qd[i][j]
         work -= (joint.k * (q - rest[n]) + joint.Fv * (qd - rd[n])) * rd[n]
-    motors, _, lost = found["powers"]
+    motors, _, lost, moving = found["powers"]
     given = energy.run(x=x, rest=rest)["given"][0]
     assert abs(given - work) <= 1e-12 * abs(work)
+    assert abs(moving - work) <= 1e-12 * abs(work)
     assert abs(slope - (motors - lost + given)) <= 1e-8 * abs(slope)
 
 

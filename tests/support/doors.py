@@ -276,6 +276,8 @@ DOORS: dict[str, Door] = {
         {"position": array(np.zeros(3)), "rotation": rotation()}
         | {"twist": array(np.zeros(6)), "acceleration": array(np.zeros(6))},
     ),
+    "BaseMotion.carried": Door(pf.BaseMotion().carried, {"state": thing(HOME)}),
+    "BaseMotion.seen": Door(pf.BaseMotion().seen, {"state": thing(HOME)}),
     "BaseSamples": Door(
         pf.BaseSamples,
         {"t": array(np.arange(6.0))}
@@ -349,6 +351,8 @@ DOORS: dict[str, Door] = {
         MODELLED
         | {"forces_or_controller": array(GAMMA), "state": ONE, "t": array([0.0, 1e-3])}
         | LOAD
+        | {"base": other(None, text="abc", number=1.0, list=[], motion=pf.BaseMotion())}
+        | {"rest": other(None, text="abc", number=1.0, list=[], without=lambda t: ([], []))}
         | {"rtol": positive(1e-6), "atol": positive(1e-6), "max_step": positive(1.0, none=True)},
         "method on_stop",
     ),

@@ -85,6 +85,8 @@ def simulate(
 ) -> None:
     """Fly a robot along a trajectory: the run as NetCDF-4, and pictures.
 
+    The table [base] of the trajectory file names samples of a base that moves, such as a floor that shakes.
+
     Example: `parflex simulate robot.toml --trajectory robot.trajectory.toml --out run`
     """
     from parflex.app import flight

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from parflex.app.trajectory_file import Plan, planned_control, start_of, trajectory_of
+from parflex.app.trajectory_file import Plan, in_world, planned_control, start_of, trajectory_of
 from parflex.base.errors import InputError
 from parflex.files.robot_file import RobotFile
 from parflex.model.core import core_of
@@ -57,7 +57,7 @@ def prepare(
     start = start_of(plan, model)
     way = trajectory_of(plan, start.state)
     say("looking whether the control is stable")
-    choice = planned_control(plan, model, start, way)
+    choice = in_world(plan, planned_control(plan, model, start, way), start)
     verdict = choice.controller.verdict(start.state)
     return Prepared(file, plan, model, start, way, choice, verdict, stroke_doubts(file.robot, way))
 
@@ -80,8 +80,9 @@ def fly(prepared: Prepared, say: Callable[[str], None] = lambda words: None) -> 
     result = simulate(
         model,
         choice.controller,
-        start.state,
+        start.state if plan.base is None else plan.base(0.0).carried(start.state),
         times,
+        base=plan.base,
         rtol=table.rtol,
         atol=table.atol,
         max_step=table.max_step,
@@ -108,6 +109,8 @@ def figures(flight: Flight, directory: Path, suffix: str = "png") -> list[Path]:
     }
     if modes:
         drawn["deformation"] = plot.attachment_deformation(result)
+    if "base_position" in result.dataset:
+        drawn["base"] = plot.base_motion(result)
     if "acceleration_error" in result.dataset:
         drawn["accelerations"] = plot.accelerations(result)
     return plot.save(drawn, directory, suffix)

@@ -1,6 +1,7 @@
 """Trajectory files as objects of the library."""
 
 import os
+from dataclasses import replace
 from typing import Any, NamedTuple, cast
 
 import numpy as np
@@ -11,11 +12,13 @@ from parflex.base.check import single_rotation
 from parflex.files.reading import Reader
 from parflex.files.tables import Table, rotation_of
 from parflex.model.model import Model
+from parflex.robot.base_motion import BaseMotion
 from parflex.robot.state import State
 from parflex.simulation.laws import ALL_LAWS
 from parflex.simulation.laws.choice import Choice, default_control
 from parflex.simulation.laws.controller import Controller, Start
 from parflex.simulation.moves import ALL_MOVES, Move, MoveTo, Pose
+from parflex.simulation.surroundings.base_samples import BaseSamples
 from parflex.simulation.trajectory import Trajectory
 
 ORIGIN = Pose(np.zeros(3), np.eye(3))  # what is wrong with a move does not depend on where it begins
@@ -28,6 +31,7 @@ class Plan(NamedTuple):
     table: PlanTable
     laws: tuple[type[Controller], ...]  # from which the file chooses its controller
     moves: tuple[type[Move], ...]  # the kinds of moves that it may name
+    base: BaseSamples | None = None  # the motion of the base
 
 
 def read_plan(
@@ -41,6 +45,10 @@ def read_plan(
     """
     reader = Reader(path)
     plan = Plan(reader, reader.table(trajectory_table(laws, moves)), laws, moves)
+    floor = plan.table.base
+    if floor is not None:
+        found = reader.attempt(("base", "file"), BaseSamples.from_file, reader.path.parent / floor.file)
+        plan = plan._replace(base=found)
     for number, move in enumerate(plan.table.move):
         reader.attempt(("move", number, *move.words), move_of, plan, move, ORIGIN)
     reader.stop()
@@ -48,10 +56,16 @@ def read_plan(
 
 
 def start_of(plan: Plan, model: Model) -> Start:
-    """The start that the plan asks for."""
+    """The start that the plan asks for, as it is seen from the base."""
     if plan.table.start == "home":
         return Start(model.robot.home, np.zeros(model.robot.n_forces))
-    return Start(*model.equilibrium(*model.robot.home_pose))
+    if plan.base is None:
+        return Start(*model.equilibrium(*model.robot.home_pose))
+    now = plan.base(0.0)
+    at_rest = BaseMotion(now.position, now.rotation)
+    there = at_rest.carried(model.robot.home)
+    state, forces = model.equilibrium(there.position, there.rotation, base=at_rest)
+    return Start(at_rest.seen(state), forces)
 
 
 def trajectory_of(plan: Plan, start: State) -> Trajectory:
@@ -71,6 +85,15 @@ def move_of(plan: Plan, move: MoveTable, start: Pose) -> Move:
     turned = Rotation.from_matrix(turn) * Rotation.from_matrix(start.rotation)
     place = start.position + np.array(move.position)
     return MoveTo(place, turned.as_matrix(), duration=cast(float, move.duration))
+
+
+def in_world(plan: Plan, choice: Choice, start: Start) -> Choice:
+    """The choice of a control whose trajectory, where it is one in the world, begins where the base is."""
+    controller = choice.controller
+    if plan.base is None or controller.seen_from_base or controller.trajectory is None:
+        return choice
+    way = trajectory_of(plan, plan.base(0.0).carried(start.state))
+    return choice._replace(controller=replace(cast(Any, controller), trajectory=way))
 
 
 def planned_control(plan: Plan, model: Model, start: Start, way: Trajectory) -> Choice:

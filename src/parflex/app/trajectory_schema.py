@@ -45,6 +45,14 @@ class MoveTable(Table):
         return self
 
 
+class BaseTable(Table):
+    """A base that moves, as on a floor that shakes."""
+
+    file: str = Field(
+        description="samples (CSV) with units in the header, t [s], x [mm], ry [mrad]; relative to this file"
+    )
+
+
 class PlanTable(Table):
     """A motion through poses, what drives it, and how it is integrated."""
 
@@ -55,6 +63,7 @@ class PlanTable(Table):
     )
     move: list[MoveTable] = Field(min_length=1, description="the moves in order, one [[move]] each")
     controller: Any = Field(None, description="the table [controller]")  # of one of the laws
+    base: BaseTable | None = Field(None, description="the table [base]: how the base moves")
     sample_time: Lasting = Field(5e-3, description="between output times")
     rtol: Tolerance = Field(1e-7, description="relative error of a step")
     atol: Tolerance = Field(1e-9, description="absolute error of a step")

@@ -10,6 +10,7 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.mechanics.flat_state import flat_state
 from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.spring_rests import rests_move
 
 Vectors = dict[str, Array]
 
@@ -85,7 +86,8 @@ def lengths(mechanism: Mechanism) -> dict[str, int]:
         "contact": 3 * len(mechanism.attachments),  # contact forces by leg and tip
         "health": mechanism.health.size,  # as `system.health`
         "rate": n,  # ẋ
-        "powers": 3 + (mechanism.base is not None),  # of actuators, loads, damping and friction, the floor
+        # of actuators, loads, damping and friction, the floor, rests that move
+        "powers": 3 + (mechanism.base is not None) + rests_move(mechanism),
         "positions": m,  # q_a of the actuated joints
         "rates": m,  # q̇_a
         "accelerations": m,  # q̈_a

@@ -12,9 +12,10 @@ from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
 from parflex.mechanics.dynamics import Acceleration
-from parflex.mechanics.energy import dissipation
+from parflex.mechanics.energy import dissipation, rests_power
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import Output
+from parflex.mechanics.spring_rests import rests_move
 from parflex.mechanics.wrench import Place, pushed
 
 
@@ -76,8 +77,8 @@ def motion(
 
 
 def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, found: Acceleration) -> Vectors:
-    """ẋ by the accelerations found, and the powers of actuators, loads, damping (a loss) and a floor that
-    moves."""
+    """ẋ by the accelerations found, and the powers of actuators, loads, damping (a loss), and of a floor and
+    of rests that move."""
     c, mechanism = system.x, system.mechanism
     v_p, omega = c.twist[..., :3], c.twist[..., 3:]
     rate = found.platform - join([cross(omega, v_p), np.zeros(3)])
@@ -89,6 +90,8 @@ def motion_of(system: assembly.System, x: Array, forces: Array, load: Array, fou
     if mechanism.base is not None:
         zdd = assembly.leg_accelerations(system, forces, found.contact)
         powers.append(assembly.floor_power(system, zdd, found.contact))
+    if rests_move(mechanism):
+        powers.append(rests_power(system))
     turn = quaternion_rate(x[..., mechanism.layout.at.quaternion], omega)
     carried = [c.sd, assembly.carried_accelerations(system, forces, found.contact)]
     fixed = np.zeros(len(mechanism.layout.branched))

@@ -8,9 +8,9 @@ import numpy as np
 from parflex.base.array import Array
 from parflex.kernels.inputs import remade
 from parflex.kernels.kernel import Kernel
-from parflex.mechanics.floor import base_of
 from parflex.mechanics.mechanism import Mechanism
 from parflex.robot.base_motion import BaseMotion
+from parflex.robot.carrying import base_of
 
 BASE = "base"
 

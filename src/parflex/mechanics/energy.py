@@ -6,10 +6,11 @@ import numpy as np
 
 from parflex.base.array import Array, dot, mtv, mv
 from parflex.mechanics import chain, flexures, joint_forces, recursion
-from parflex.mechanics.floor import Base, ground, twist_of_legs
+from parflex.mechanics.floor import ground, twist_of_legs
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.platform import body_energies
 from parflex.mechanics.system import System
+from parflex.robot.carrying import Base
 
 
 class Energies(NamedTuple):

@@ -9,22 +9,11 @@ from typing import NamedTuple
 import numpy as np
 
 from parflex.base.array import Array, cross, mtv, mv, skew, split, transpose
-from parflex.base.spatial import rotation_from_quaternion
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.recursion import Motion, point_acceleration
+from parflex.robot.carrying import Base
 
 BASE_CHANGES = 18  # small changes of a base, as of `shifted`
-
-
-class Base(NamedTuple):
-    """Pose, twist and acceleration of Σ0, all in world axes; floats, a batch, or symbols."""
-
-    position: Array  # (…, 3)
-    rotation: Array  # (…, 3, 3)
-    velocity: Array  # (…, 3), of Σ0's origin
-    omega: Array  # (…, 3)
-    acceleration: Array  # (…, 3)
-    omegad: Array  # (…, 3)
 
 
 class Seen(NamedTuple):
@@ -42,12 +31,6 @@ class Ground(NamedTuple):
 
     motion: Motion
     gravity: Array
-
-
-def base_of(flat: Array) -> Base:
-    """The base of flat vectors (…, 19), p 3, quaternion w x y z 4 of any length, v 3, ω 3, a 3, ω̇ 3."""
-    position, quaternion, *rates = split(flat, [(3,), (4,), (3,), (3,), (3,), (3,)])
-    return Base(position, rotation_from_quaternion(quaternion), *rates)
 
 
 def seen_from(base: Base | None, platform: Seen) -> Seen:

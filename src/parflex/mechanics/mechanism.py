@@ -8,11 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.mechanics.floor import Base
 from parflex.mechanics.health_places import Health
 from parflex.mechanics.legs import ALL_LEG_TYPES, LegGroup, LegType
 from parflex.mechanics.legs.gathered import alone, side_by_side
 from parflex.mechanics.platform import Platform, platform_of
+from parflex.robot.carrying import Base
 from parflex.robot.layout import Layout, spans
 from parflex.robot.robot import Robot
 

@@ -11,6 +11,7 @@ from parflex.mechanics.chain import bend_of, seat_on, tip_position
 from parflex.mechanics.kinematics import position_in_world
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.system import System, assemble
+from parflex.robot.carrying import Base
 from parflex.robot.leg import Leg
 
 LINK = "link"  # the word of a point between joints, on a flexible link
@@ -44,16 +45,17 @@ def leg_paths(system: System) -> Paths:
     legs: list[int] = []
     held: list[int] = []
     motors: list[Array] = []
+    base = system.mechanism.base
     for leg in system.legs:
         own = [system.mechanism.robot.legs[number] for number in leg.group.legs]
         for t in range(len(leg.group.tip_frames)):
             stations = list(stations_to(leg, t, own))
-            lines.append(np.stack([in_world(leg, each.place) for each in stations], axis=-2))
-            axes.append(np.stack([turned(leg, each.axis) for each in stations], axis=-2))
+            lines.append(np.stack([in_world(base, leg, each.place) for each in stations], axis=-2))
+            axes.append(np.stack([turned(base, leg, each.axis) for each in stations], axis=-2))
             words += [tuple(each.word for each in stations)] * len(leg.group.legs)
             legs += leg.group.legs
             held += list(leg.group.attachments[:, t])
-        motors += [in_world(leg, motor_place(leg, j)) for j in leg.group.actuated]
+        motors += [in_world(base, leg, motor_place(leg, j)) for j in leg.group.actuated]
     batch = system.x.position.shape[:-1]
     longest = max((line.shape[-2] for line in lines), default=0)
     nothing = np.zeros((*batch, 0, longest, 3))
@@ -138,11 +140,15 @@ def motor_place(leg: LegTerms, j: int) -> Array:
     return 0.5 * (start + own) if leg.group.chain.sigma[j] else own
 
 
-def in_world(leg: LegTerms, p: Array) -> Array:
+def in_world(base: Base | None, leg: LegTerms, p: Array) -> Array:
     """Points (…, L, 3) of the legs' base frames in the world."""
-    return leg.group.origin + turned(leg, p)
+    group = leg.group
+    origin = group.origin if base is None else mv(base.rotation[..., None, :, :], group.origin)
+    moved = 0.0 if base is None else base.position[..., None, :]
+    return moved + origin + turned(base, leg, p)
 
 
-def turned(leg: LegTerms, v: Array) -> Array:
+def turned(base: Base | None, leg: LegTerms, v: Array) -> Array:
     """Vectors (…, L, 3) of the legs' base frames in the world's axes."""
-    return mv(leg.group.rotation, np.broadcast_to(v, leg.qd.shape[:-1] + (3,)))
+    found = mv(leg.group.rotation, np.broadcast_to(v, leg.qd.shape[:-1] + (3,)))
+    return found if base is None else mv(base.rotation[..., None, :, :], found)

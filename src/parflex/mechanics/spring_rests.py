@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from parflex.base.array import Array, join
+from parflex.mechanics.chain import REST_RATE
 from parflex.mechanics.legs.base import LegGroup
 from parflex.mechanics.mechanism import Mechanism
 from parflex.robot.robot import Robot
@@ -20,6 +21,11 @@ def springs(robot: Robot) -> Iterator[tuple[int, int]]:
         for j, joint in enumerate(leg.joints):
             if joint.k > 0:
                 yield i, j
+
+
+def rests_move(mechanism: Mechanism) -> bool:
+    """True for a mechanism that `with_rests` has made."""
+    return any(REST_RATE in group.chain.tables for group in mechanism.groups)
 
 
 def own_rests(mechanism: Mechanism) -> Array:

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array, join, mtv, mv
 from parflex.base.check import all_of_type, finite, of_type, rotation_matrix
 from parflex.base.errors import InputError
-from parflex.mechanics.floor import Base, base_of
 from parflex.model.core import Core
 from parflex.model.inputs import Values, Wrenches
 from parflex.model.rest import equilibrium_of
 from parflex.robot.base_motion import BaseMotion
+from parflex.robot.carrying import Base, base_of
 from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
 

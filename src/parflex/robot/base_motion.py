@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.check import rotation_matrix
+from parflex.base.check import of_type, rotation_matrix
 from parflex.base.errors import InputError
 from parflex.base.held import Given
 from parflex.base.spatial import quaternion_from_rotation
+from parflex.robot.carrying import carried, place_of, seen, with_place
 from parflex.robot.fields import batched, check_fields, held
+from parflex.robot.state import State
 from parflex.robot.words import listed
 
 BASE = 19  # numbers of a flat base: p 3, quaternion w x y z 4, v 3, ω 3, a 3, ω̇ 3
@@ -55,6 +57,14 @@ class BaseMotion:
         return BaseMotion(
             *(np.broadcast_to(a, self.batch + np.shape(a)[-core:])[index] for a, core in self._arrays())
         )
+
+    def carried(self, state: State) -> State:
+        """The state in the world of one that is seen from the base: what rests there moves with it."""
+        return with_place(state, carried(self.flat, place_of(of_type("state", state, State))))
+
+    def seen(self, state: State) -> State:
+        """The state as it is seen from the base, of one in the world."""
+        return with_place(state, seen(self.flat, place_of(of_type("state", state, State))))
 
     @property
     def batch(self) -> tuple[int, ...]:

@@ -97,6 +97,13 @@ class Robot:
         """m, the number of actuated joints."""
         return sum(joint.mu for leg in self.legs for joint in leg.joints)
 
+    @cached_property
+    def springs(self) -> tuple[str, ...]:
+        """The names of the joints with springs (k > 0), by leg, and by joint within a leg."""
+        legs = enumerate(self.legs, start=1)
+        each = ((i, j, joint) for i, leg in legs for j, joint in enumerate(leg.joints, start=1))
+        return tuple(f"leg {i}, joint {j}" for i, j, joint in each if joint.k > 0)
+
 
 def check_sections(robot: Robot) -> None:
     """Raise InputError where a flexure holds a platform that does not tell how its sections turn."""

@@ -10,7 +10,6 @@ from parflex.base.errors import InputError
 from parflex.model.core import Core
 from parflex.robot.joint_words import actuator_units
 from parflex.simulation.laws.bound import BoundLaw
-from parflex.simulation.laws.law import WORKS
 from parflex.simulation.laws.verdict import duration
 from parflex.simulation.observers import Advance, Observer
 
@@ -63,7 +62,7 @@ class Growth(Observer):
             return
         at, body = self._mechanism.layout.at, self._mechanism.platform.body
         self._states.append(y.copy())
-        twist = y[at.twist]
+        twist = self._law.loads.standpoint.seen(t, y)[at.twist]  # of the base's speed nothing can be told
         q, qd = y[at.elastic], y[at.elastic_rate]
         v, omega = twist[:3], twist[3:]
         self._other = max(self._other, 0.5 * float(body.moments.m * v @ v + omega @ self._inertia @ omega))
@@ -79,7 +78,7 @@ class Growth(Observer):
     def _forces(self) -> str:
         """The largest force in words, where the law still gives one."""
         try:
-            forces = self._law.forces(self._t[-1], self._states[-1][:-WORKS])
+            forces = self._law.forces(self._t[-1], self._states[-1][: -self._law.works])
             check_finite(forces)
         except InputError:
             return ""

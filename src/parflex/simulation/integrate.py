@@ -26,6 +26,7 @@ class Run:
     stopped: str = ""  # when and why it ended early; empty where it did not
     cause: BaseException | None = None  # what was raised by others, if that ended it
     done: int = 1  # rows
+    n_works: int = WORKS  # numbers behind the states in the rows
 
     @property
     def left(self) -> Array:
@@ -69,23 +70,29 @@ class Run:
     @cached_property
     def x(self) -> Array:
         """Flat states (k, size) at these times."""
-        x = np.concatenate(self.rows)[:, :-WORKS]
+        x = np.concatenate(self.rows)[:, : -self.n_works]
         quaternion = Layout(0).at.quaternion
         x[:, quaternion] /= np.linalg.norm(x[:, quaternion], axis=1, keepdims=True)
         return x
 
     @cached_property
     def works(self) -> Array:
-        """Works (k, 3) J of actuators, wrenches and damping at these times."""
-        return np.concatenate(self.rows)[:, -WORKS:]
+        """Works (k, w) J at these times, of actuators, wrenches, damping and what moves the surroundings."""
+        return np.concatenate(self.rows)[:, -self.n_works :]
 
 
-def integrate(times: Array, y: Array, begin: Callable[[], Stepper], observers: Sequence[Observer]) -> Run:
-    """The run from y (size,) on, as far as it comes.
+def integrate(
+    times: Array,
+    y: Array,
+    begin: Callable[[], Stepper],
+    observers: Sequence[Observer],
+    works: int = WORKS,
+) -> Run:
+    """The run from y (size,) on, the last so many of which are works, as far as it comes.
 
     Raises InputError where the start is refused; whatever else happens is told by the run.
     """
-    run = Run(times, [y[None].copy()], times[0])
+    run = Run(times, [y[None].copy()], times[0], n_works=works)
     stepper: Stepper | None = None
     try:
         stepper = begin()

@@ -14,6 +14,7 @@ from parflex.kernels.projection import projection
 from parflex.mechanics.closure import CLOSED
 from parflex.model.core import Core
 from parflex.simulation.steppers.stepper import Stepper
+from parflex.simulation.surroundings.standpoint import Standpoint
 
 DIVERGES = "the step size vanished: it diverges"
 PROJECTIONS = 5  # at most, of one state onto the closure
@@ -63,7 +64,8 @@ class Observer(ABC):
 class Closure(Observer):
     """States are put back onto the closure of the legs, in the metric of the robot's mass."""
 
-    def __init__(self, core: Core) -> None:
+    def __init__(self, core: Core, standpoint: Standpoint, start: float) -> None:
+        self._standpoint, self._start = standpoint, start
         self._functions = core.functions
         function = core.functions(projection)
         self._x = np.zeros(function.kernel.inputs["x"])
@@ -75,29 +77,30 @@ class Closure(Observer):
         self._open = OFF * min(1.0, core.mechanism.size) if len(dependent) else np.inf
 
     def begin(self, y: Array) -> None:
-        self._x[:] = y[: len(self._x)]
+        self._x[:] = self._standpoint.seen(self._start, y[: len(self._x)])
         self._run()
         check_state(self._functions, self._x, self._health)
-        self.close(y)
+        self.close(self._start, y)
 
     def see(self, advance: Advance) -> None:
         for number, row in enumerate(advance.rows):
-            if why := self.close(row):
+            if why := self.close(advance.times[number], row):
                 advance.rows, advance.reached = advance.rows[:number], advance.times[number]
                 advance.stopped = why
                 return
-        advance.stopped = self.close(advance.stepper.y)
+        advance.stopped = self.close(advance.stepper.t, advance.stepper.y)
         advance.stepper.moved()
 
-    def close(self, y: Array) -> str:
+    def close(self, t: float, y: Array) -> str:
         """Put the state in y (size,) on the closure, by at most so many projections; says what stays open."""
-        self._x[:] = y[: len(self._x)]
+        x = y[: len(self._x)]
+        self._x[:] = self._standpoint.seen(t, x)
         for _ in range(PROJECTIONS):
             self._run()
             if not np.max(np.abs(self._health[self._at.gap.start :])) > self._tolerance:
                 break
             self._x[:] = self._moved
-        y[: len(self._x)] = self._x
+        x[:] = self._standpoint.carried(t, self._x)
         gaps = np.abs(self._health[self._at.gap])
         if not np.max(gaps) > self._open:
             return ""
@@ -107,15 +110,17 @@ class Closure(Observer):
 class Singularities(Observer):
     """The run ends before a singularity that the law's watch sees."""
 
-    def __init__(self, watch: Watch, size: int) -> None:
+    def __init__(self, watch: Watch, size: int, standpoint: Standpoint, start: float) -> None:
         self._watch, self._size = watch, size
+        self._standpoint, self._start = standpoint, start
 
     def begin(self, y: Array) -> None:
-        self._watch.look(y[None, : self._size])
+        self._watch.look(self._standpoint.seen(self._start, y[: self._size])[None])
 
     def see(self, advance: Advance) -> None:
         states = np.vstack([advance.rows, advance.stepper.y])[:, : self._size]
-        before, advance.stopped = self._watch.look(states)
+        times = np.append(advance.times, advance.stepper.t)
+        before, advance.stopped = self._watch.look(self._standpoint.seen(times, states))
         if before < len(advance.rows):
             advance.rows, advance.reached = advance.rows[:before], advance.times[before]
 

@@ -21,7 +21,13 @@ from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
 
 Labelled = tuple[tuple[str, ...], Array, dict[str, str]]  # dimensions, values, attributes
-NUMBERED = ("leg", "actuator", "attachment", "leg_mode")  # dimensions whose entries are numbered from 1
+NUMBERED = (
+    "leg",
+    "actuator",
+    "attachment",
+    "leg_mode",
+    "spring",
+)  # dimensions whose entries are numbered from 1
 
 
 def record(

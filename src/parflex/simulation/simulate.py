@@ -19,13 +19,13 @@ from parflex.simulation.laws import controller_of
 from parflex.simulation.laws.bound import BoundLaw
 from parflex.simulation.laws.called import ForceFunction
 from parflex.simulation.laws.controller import Controller
-from parflex.simulation.laws.law import WORKS
 from parflex.simulation.loads import Loads, Wrenches
 from parflex.simulation.observers import Bar, Closure, Crawl, Observer, Singularities
 from parflex.simulation.record import record
 from parflex.simulation.result import Result, RunStopped
 from parflex.simulation.steppers import METHODS, stepper_of
 from parflex.simulation.steppers.stepper import Stepper
+from parflex.simulation.surroundings.imposed import BaseFunction, RestFunction
 
 SMALLEST_RTOL = 100 * np.finfo(float).eps
 ENDS = (None, "raise", "return")  # for on_stop
@@ -40,6 +40,8 @@ def simulate(
     rtol: float = 1e-8,
     atol: float = 1e-10,
     wrenches: Wrenches = (),
+    base: BaseFunction | None = None,
+    rest: RestFunction | None = None,
     max_step: float | None = None,
     method: str = "DOP853",
     on_stop: str | None = None,
@@ -54,6 +56,13 @@ def simulate(
     and atol bound the local error, max_step (s) the step, by default a fiftieth of the run so that
     no short event is stepped over; steps end where a trajectory's segments do. The works of
     actuators, wrenches and damping are integrated with the state.
+
+    base is a function of time that gives the `BaseMotion` of the robot's base, `BaseSamples` for instance;
+    rest one that gives the rests of springs and their rates, (s,) each, of the joints with k > 0 in the
+    order of `robot.springs`. Both are called at every evaluation. States stay in the world: one at rest
+    on the base is `base(t[0]).carried(state)`. `Servo` and `JointPD` see the robot from its base,
+    `ComputedTorque` in the world. The works of base and rests are integrated too; of samples of a base, no
+    step is longer than five.
 
     A run that ends early keeps what was reached: its result is `partial`, and `stopped` says why. By
     default, an error in a caller's function (other than an InputError) raises RunStopped from that error,
@@ -70,13 +79,14 @@ def simulate(
     for name, value, known in (("method", method, METHODS), ("on_stop", on_stop, ENDS)):
         if value not in known:
             raise InputError(f"{name} is {value!r}; choose one of {', '.join(map(str, known))}")
-    tolerances = checked_tolerances(rtol, atol, (times[-1] - times[0]) / 50 if max_step is None else max_step)
-    core = core_of(model)
-    start = core.flat(state)
-    if start.ndim != 1:
-        raise InputError(f"state is a batch {start.shape[:-1]}; simulate one state at a time")
+    core, loads = core_of(model), Loads(model, wrenches, base, rest)
+    for each in loads.imposed.values():
+        each.check_covers(times)
+    longest = min((times[-1] - times[0]) / 50, loads.longest) if max_step is None else max_step
+    tolerances = checked_tolerances(rtol, atol, longest)
+    start = loads.flat(times[0], state)
     controller = controller_of(model, forces_or_controller)
-    law = controller.bind(model, Loads(model, wrenches))
+    law = controller.bind(model, loads)
     run = run_of(core, law, start, times, method, tolerances)
     replay = law.replay(run.t, run.x)
     if not run.stopped and replay.raised is not None:
@@ -90,17 +100,17 @@ def run_of(
     core: Core, law: BoundLaw, start: Array, times: Array, method: str, tolerances: dict[str, float]
 ) -> Run:
     """The law's motion from a flat state (size,) on; raises InputError where the start is refused."""
-    y = np.concatenate([start, np.zeros(law.law.memory + WORKS)])
+    y = np.concatenate([start, np.zeros(law.law.memory + law.works)])
 
     def begin() -> Stepper:
-        check_finite(np.concatenate(law.rate(times[0], y[:-WORKS])))
+        check_finite(np.concatenate(law.rate(times[0], y[: -law.works])))
         return stepper_of(law, method, times[0], y, times[-1], tolerances)
 
     with Progress("simulate", times[-1] - times[0]) as bar:
         observers = observers_of(core, law, times, bar)
         for observer in observers:
             observer.begin(y)
-        return integrate(times, y, begin, observers)
+        return integrate(times, y, begin, observers, law.works)
 
 
 def checked_tolerances(rtol: float, atol: float, max_step: float) -> dict[str, float]:
@@ -113,12 +123,12 @@ def checked_tolerances(rtol: float, atol: float, max_step: float) -> dict[str, f
 
 def observers_of(core: Core, law: BoundLaw, times: Array, bar: Progress) -> list[Observer]:
     """The observers of a run, in this order: states are closed before others look at them."""
-    watch = law.law.watch
+    watch, standpoint = law.law.watch, law.loads.standpoint
     found: list[Observer] = []
     if not core.mechanism.closed:
-        found.append(Closure(core))
+        found.append(Closure(core, standpoint, times[0]))
     if watch is not None:
-        found.append(Singularities(watch, core.mechanism.layout.size))
+        found.append(Singularities(watch, core.mechanism.layout.size, standpoint, times[0]))
     if core.mechanism.platform.modes and len(core.mechanism.attachments):
         found.append(Growth(core, law))
     crawl = Crawl(times[0], times[-1], watch.explain if watch is not None else lambda: "")

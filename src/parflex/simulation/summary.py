@@ -58,6 +58,11 @@ def actuator_force(data: xr.Dataset) -> Iterator[Fact]:
         yield Fact("largest actuator force", float(largest[worst]), units, name)
 
 
+def base_acceleration(data: xr.Dataset) -> Iterator[Fact]:
+    """The largest acceleration of the base."""
+    yield Fact("largest acceleration of the base", longest(data["base_acceleration"][:, :3]), "m/s²")
+
+
 def contact_force(data: xr.Dataset) -> Iterator[Fact]:
     """The largest force between a leg and the platform."""
     yield Fact("largest force at a spherical joint", longest(data["contact_forces"]), "N")
@@ -93,6 +98,7 @@ def longest(vectors: xr.DataArray) -> float:
 FIGURES: dict[str, Callable[[xr.Dataset], Iterator[Fact]]] = {  # by the variable that they need
     "pose_error": errors,
     "joint_error": servo_error,
+    "base_acceleration": base_acceleration,
     "forces": actuator_force,
     "contact_forces": contact_force,
     "attachment_deformation": deformation,

@@ -22,13 +22,14 @@ from parflex.mechanics.contact import Contact, contact_forces, contact_system
 from parflex.mechanics.derivatives.changes import Load, leg_changes, platform_changes
 from parflex.mechanics.derivatives.leg_tangent import axes_of, leg_residual, leg_seeds, sections_of, seen
 from parflex.mechanics.dynamics import acceleration_map, accelerations, inverse_of
-from parflex.mechanics.floor import BASE_CHANGES, Base, Seen, ground, seen_from, shifted, under_legs
+from parflex.mechanics.floor import BASE_CHANGES, Seen, ground, seen_from, shifted, under_legs
 from parflex.mechanics.kinematics import position_in_world, unstacked
 from parflex.mechanics.leg_terms import LegTerms
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.output import PlatformOutput
 from parflex.mechanics.platform import Platform, platform_terms
 from parflex.mechanics.system import System, by_group, diagonal, leg_accelerations, tip_forces
+from parflex.robot.carrying import Base
 
 
 class Sensitivity(NamedTuple):

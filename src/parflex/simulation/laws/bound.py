@@ -12,7 +12,8 @@ from parflex.compiled.backend import Trigger
 from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.simulation.laws.law import Inputs, Law, Outputs, Replay
-from parflex.simulation.loads import Loads, at_times
+from parflex.simulation.loads import Loads
+from parflex.simulation.surroundings.at_times import at_times
 
 
 class BoundLaw:
@@ -22,18 +23,31 @@ class BoundLaw:
         core = core_of(model)
         self.law, self.loads, self.mechanism = law, loads, core.mechanism
         self.rows, self._starts = np.atleast_2d(law.rows), law.starts.tolist()
-        self.function = core.functions(law.kernel, *law.outputs, loads.places)
-        self._derivative = partial(core.functions, law.derivative, *law.outputs, loads.places)
+        self.function = core.functions(*loads.reading(law.kernel, *law.outputs, loads.places))
+        self._derivative = partial(core.functions, *loads.reading(law.derivative, *law.outputs, loads.places))
         kernel = self.function.kernel
-        self.inputs = Inputs(**{name: np.zeros(n) for name, n in kernel.inputs.items()})
+        self.imposed = {name: np.zeros(each.size) for name, each in loads.imposed.items()}
+        own = {name: np.zeros(n) for name, n in kernel.inputs.items() if name not in self.imposed}
+        self.inputs = Inputs(**own)
         self.results = Outputs(**{name: np.zeros(n) for name, n in kernel.outputs.items()})
         self.inputs.pushes[:] = loads.pushes
-        self._run = self.function.bind(self.inputs._asdict(), self.results._asdict())
+        self._run = self.function.bind(self._given, self.results._asdict())
+
+    @property
+    def known(self) -> bool:
+        """True where the law's forces are known without calling anybody."""
+        return True
 
     @property
     def alone(self) -> bool:
-        """True where forces and loads are known without calling anybody."""
-        return self.loads.steady
+        """True where forces, loads and surroundings are known without calling anybody."""
+        return self.known and self.loads.steady and not self.imposed
+
+    @property
+    def works(self) -> int:
+        """The number of works that are integrated behind the state and the law's memory."""
+        found: int = self.function.kernel.outputs["powers"]
+        return found
 
     def row(self, t: float, x: Array) -> Array:
         """The numbers that the kernel reads of the law at a time and flat state."""
@@ -46,7 +60,7 @@ class BoundLaw:
         return row, self._starts[row] if row < len(self._starts) else np.inf
 
     def rate(self, t: float, x: Array) -> tuple[Array, Array]:
-        """ẋ and the powers of actuators, wrenches and damping, under the law's forces and the loads.
+        """ẋ and the powers, as `Outputs` has them, under the law's forces and the loads.
 
         Raises as `Model.direct` where a leg's inverse geometry fails.
         """
@@ -63,7 +77,7 @@ class BoundLaw:
     @property
     def differentiable(self) -> bool:
         """True where its derivative is compiled: nobody is called, and the law remembers nothing."""
-        return self.law.differentiable and self.alone and self.law.memory == 0
+        return self.law.differentiable and self.known and self.loads.steady and self.law.memory == 0
 
     def jacobian(self, t: float, x: Array) -> Array:
         """∂ẋ/∂x (size, size): exact where the law is differentiable, else by differences."""
@@ -78,23 +92,33 @@ class BoundLaw:
         """Forces and motion at times (T,) and flat states (T, size); not numbers where they fail."""
         rows, raised = at_times(self.row, t, x, self.rows.shape[1])
         load, raised_too = self.loads.at(t, x)
+        imposed = {name: at_times(each.at, t, x, each.size) for name, each in self.loads.imposed.items()}
+        raised = raised or raised_too or next((error for _, error in imposed.values() if error), None)
+        moved = {name: rows for name, (rows, _) in imposed.items()}
         given = Inputs(x, t[:, None], rows, load, self.loads.pushes)._asdict()
-        found = Outputs(**self.function.each(**given))
+        found = Outputs(**self.function.each(**given, **moved))
         load = load + self.loads.constant(x)
-        return Replay(found.forces, found.rate, found.contact, load, raised or raised_too)
+        return Replay(found.forces, found.rate, found.contact, load, moved, raised)
 
     @cached_property
     def _slopes(self) -> tuple[Trigger, Array]:
         """The compiled derivative, and where it leaves its answer."""
         function = self._derivative()
         found = np.zeros(function.kernel.outputs["slopes"])
-        return function.bind(self.inputs._asdict(), {"slopes": found}), found
+        return function.bind(self._given, {"slopes": found}), found
+
+    @property
+    def _given(self) -> dict[str, Array]:
+        """The kernel's inputs by name."""
+        return {**self.inputs._asdict(), **self.imposed}
 
     def _read(self, t: float, x: Array) -> None:
         """Fill the kernel's inputs."""
         own = self.inputs
         own.row[:] = self.row(t, x)
         own.x[: len(x)], own.time[0], own.load[:] = x, t, self.loads(t, x)
+        for name, vector in self.imposed.items():
+            vector[:] = self.loads.imposed[name](t)
 
 
 def differences(function: Callable[[Array], Array], x: Array) -> Array:

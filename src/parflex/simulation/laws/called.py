@@ -9,7 +9,6 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
-from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.state import State
 from parflex.simulation.laws.bound import BoundLaw
@@ -40,14 +39,14 @@ class BoundCall(BoundLaw):
 
     def __init__(self, law: Law, model: Model, loads: Loads, function: ForceFunction) -> None:
         super().__init__(law, model, loads)
-        self._function, self._state = function, core_of(model).state
+        self._function = function
 
     @property
-    def alone(self) -> bool:
+    def known(self) -> bool:
         return False
 
     def row(self, t: float, x: Array) -> Array:
-        found = finite("controller(t, state)", self._function(t, self._state(x)))
+        found = finite("controller(t, state)", self._function(t, self.loads.state(t, x)))
         m = self.mechanism.n_forces
         if found.shape != (m,):
             raise InputError(f"controller(t, state) gave shape {found.shape}; expected ({m},)")

@@ -122,6 +122,9 @@ class ComputedTorque(Controller):
     follows the rows of `output`, as many as it has; one with more actuators stays nearest to
     `preload` (m,).
 
+    The trajectory is one in the world, also where the base moves (`simulate`): the base's motion is known,
+    and so are the rests of springs that move.
+
     legs is "moving", or "static" where legs bend between motors and platform: the forces then are those that
     the legs would need if they did not accelerate in their bend. The pose is not seen where the motors are:
     legs without any damping swing up under this, and `Servo` does without it.

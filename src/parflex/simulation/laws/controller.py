@@ -50,6 +50,7 @@ class Controller(ABC):
     kind: ClassVar[str] = ""  # its name in trajectory files; empty where files do not offer it
     about: ClassVar[str] = ""  # a sentence on its table
     entries: ClassVar[tuple[TableEntry, ...]] = ()
+    seen_from_base: ClassVar[bool] = False  # whether its trajectory is one that is seen from a moving base
 
     model: Model
     trajectory: Trajectory | None = None  # what the platform is to follow, for the record

@@ -77,13 +77,15 @@ def quarters(row: Array) -> list[Array]:
 class JointPD(Controller):
     """Springs and dampers on the actuated joints: Γ = Γ_0 + kp (q_ref − q) − kd q̇.
 
-    The reference is the actuated joints' position in a state; kp (N/m or N m/rad) and kd (N s/m or
+    The reference is the actuated joints' position in a state, which of a base that moves is one that is seen
+    from it; kp (N/m or N m/rad) and kd (N s/m or
     N m s/rad) are scalars or (m,); forces Γ_0 (m,) is added.
 
     Raises InputError for wrong shapes, and for a reference that the robot cannot take.
     """
 
     kind = "joint-pd"
+    seen_from_base = True
     about = "Springs and dampers on the actuated joints, which hold the start."
     entries = (
         TableEntry("kp", kinds.NUMBER, "N/m or N m/rad; one, or one for each motor"),

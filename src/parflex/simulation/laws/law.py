@@ -11,7 +11,7 @@ from parflex.base.array import Array
 from parflex.kernels.kernel import Kernel
 from parflex.mechanics.output import Output
 
-WORKS = 3  # of actuators, external wrenches and damping: integrated beside the state
+WORKS = 3  # of actuators, external wrenches and damping, of every run: integrated beside the state
 
 
 class Inputs(NamedTuple):
@@ -29,7 +29,7 @@ class Outputs(NamedTuple):
 
     forces: Array  # Γ (m,)
     rate: Array  # ẋ (size,), and that of the memory
-    powers: Array  # (3,) W of actuators, wrenches and damping
+    powers: Array  # (works,) W of actuators, wrenches and damping, and of what moves the surroundings
     contact: Array  # contact forces by tip (3k,)
     health: Array
 
@@ -41,6 +41,7 @@ class Replay(NamedTuple):
     rate: Array  # ẋ (T, size)
     contact: Array  # contact forces by tip (T, 3k)
     load: Array  # external generalised forces (T, 6 + N)
+    imposed: dict[str, Array]  # the motion of the surroundings, as the kernel reads it
     raised: BaseException | None = None  # the first thing that a caller's function raised
 
 

@@ -38,6 +38,9 @@ class Servo(Controller):
     scalars or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic frequency
     of the robot with its legs locked where that is lower, on the joint's effective mass at home; ki is 0.
 
+    On a base that moves (`simulate`) the trajectory is one that is seen from the base, of which encoders
+    know nothing else: Γ_r are the forces on a base at rest. The rests of springs that move are known.
+
     Joint feedback is collocated: it makes no mode unstable by itself. It cannot hold a platform that buckles
     on locked legs (`verdict` tells). `rate` (Hz) is that of the controller that will run it: gains that are
     unstable there are refused; the law itself is continuous.
@@ -47,6 +50,7 @@ class Servo(Controller):
     """
 
     kind = "servo"
+    seen_from_base = True
     about = "The legs' servos: they track the leg lengths of the trajectory, with feed-forward."
     entries = (
         TableEntry("kp", kinds.NUMBER, "N/m or N m/rad; one, or one for each motor; by default 20 Hz", None),

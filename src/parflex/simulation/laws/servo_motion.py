@@ -1,5 +1,7 @@
 """The motion under the legs' servos, compiled: references, feed-forward and feedback."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from parflex.base.array import Array, split
@@ -83,7 +85,7 @@ def reference(mechanism: Mechanism, t: Array, row: Array, branches: Array) -> tu
     """The robot where the trajectory wants it at times (…,), and the wanted V̇_p (…, 6).
 
     The bend of platform and legs passes from one sagging equilibrium to the next as the fifth-order
-    polynomials of moves do.
+    polynomials of moves do. The trajectory is one on a base at rest.
     """
     segment, times, bend, change, _, _ = parted(mechanism, row)
     sample, span, N = along(segment, t), times[..., 1:], mechanism.platform.modes
@@ -95,4 +97,4 @@ def reference(mechanism: Mechanism, t: Array, row: Array, branches: Array) -> tu
     bent, bending = bend + part * change, rate * change
     own = bent[..., :N], bending[..., :N], bent[..., N:], bending[..., N:]
     place = Coordinates(*pose, *own, branches)
-    return assembly.assemble(mechanism, place), sample.acceleration
+    return assembly.assemble(replace(mechanism, base=None), place), sample.acceleration

@@ -4,7 +4,6 @@ import numpy as np
 
 from parflex.base.array import Array
 from parflex.simulation.laws.bound import BoundLaw
-from parflex.simulation.laws.law import WORKS
 from parflex.simulation.steppers.cyrk_steps import cyrk_steps
 from parflex.simulation.steppers.scipy_steps import SciPySteps
 from parflex.simulation.steppers.stepper import Stepper
@@ -18,10 +17,10 @@ def stepper_of(
     """The integration of a law's motion from (t, y) on: in machine code where that is possible."""
 
     def rate(t: float, y: Array) -> Array:
-        return np.concatenate(law.rate(t, y[:-WORKS]))
+        return np.concatenate(law.rate(t, y[: -law.works]))
 
     def slopes(t: float, y: Array) -> Array:
-        return np.pad(law.jacobian(t, y[:-WORKS]), (0, WORKS))
+        return np.pad(law.jacobian(t, y[: -law.works]), (0, law.works))
 
     def until(t: float) -> float:
         return law.stretch(t)[1]

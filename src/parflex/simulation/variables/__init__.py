@@ -3,6 +3,7 @@
 import numpy as np
 
 from parflex.robot.joint_words import actuator_names
+from parflex.simulation.variables.base import BASE_VARIABLES
 from parflex.simulation.variables.energy import LEDGER, RESIDUAL
 from parflex.simulation.variables.legs import LEG_VARIABLES
 from parflex.simulation.variables.motion import MOTION_VARIABLES
@@ -24,6 +25,7 @@ COORDINATES = (  # they label what the others hold
 )
 ALL_VARIABLES = (
     *MOTION_VARIABLES,
+    *BASE_VARIABLES,
     *LEG_VARIABLES,
     *PLATFORM_VARIABLES,
     *LEDGER,

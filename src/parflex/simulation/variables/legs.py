@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.kernels.moved_rests import REST
 from parflex.mechanics.paths import deformation
 from parflex.robot.leg import Leg
 from parflex.simulation.variables.recorded import Recorded
@@ -16,6 +17,12 @@ def side_by_side(values: Sequence[Array], count: int) -> Array:
     width = max((q.shape[-1] for q in values), default=0)
     padded = [np.pad(q, ((0, 0), (0, width - q.shape[-1])), constant_values=np.nan) for q in values]
     return np.stack(padded, axis=1) if padded else np.zeros((count, 0, 0))
+
+
+def spring_rests(run: Recorded) -> Array | None:
+    """(T, s); None where they do not move."""
+    rest = run.replay.imposed.get(REST)
+    return None if rest is None else rest[:, : rest.shape[1] // 2]
 
 
 def of_flexible(values: Callable[[Recorded], Array]) -> Callable[[Recorded], Array | None]:
@@ -82,6 +89,13 @@ LEG_VARIABLES = (
         "m s-1, rad s-1",
         "joint rates",
         lambda run: side_by_side(run.joints.qd, len(run.t)),
+    ),
+    Variable(
+        "spring_rest",
+        ("time", "spring"),
+        "m, rad",
+        "rests of the springs of joints, in the order of robot.springs",
+        spring_rests,
     ),
     Variable(
         "leg_elastic",

@@ -5,16 +5,22 @@ from functools import cached_property
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.kernels.moved_base import BASE
 from parflex.kernels.segment import Sample
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, joints_of
 from parflex.mechanics.paths import Paths, leg_paths
 from parflex.mechanics.system import System, assemble
 from parflex.model.core import Core
+from parflex.robot.carrying import Base, base_of, seen
 from parflex.robot.layout import Coordinates, coordinates
 from parflex.simulation.integrate import Run
 from parflex.simulation.laws.controller import Controller
 from parflex.simulation.laws.law import Replay
+from parflex.simulation.surroundings.imposed import IMPOSED
+from parflex.simulation.surroundings.standpoint import carried_motion
+
+WORKS = ("actuators", "wrenches", "dissipated")  # of every run, in the order of its powers
 
 
 class Recorded:
@@ -23,6 +29,7 @@ class Recorded:
     def __init__(self, core: Core, run: Run, replay: Replay, controller: Controller) -> None:
         self.core, self.mechanism, self.robot = core, core.mechanism, core.robot
         self.run, self.replay, self.controller = run, replay, controller
+        self.works = dict(zip((*WORKS, *replay.imposed), run.works.T, strict=True))  # each (T,) J
         self.t = run.t  # (T,) s
 
     @cached_property
@@ -32,8 +39,23 @@ class Recorded:
 
     @cached_property
     def system(self) -> System:
-        """The mechanics at the states."""
-        return assemble(self.mechanism, self.state)
+        """The mechanics at the states, in surroundings that move."""
+        mechanism = self.mechanism
+        for name, rows in self.replay.imposed.items():
+            mechanism = IMPOSED[name].changed(mechanism, rows)
+        return assemble(mechanism, self.state)
+
+    @cached_property
+    def base(self) -> Base | None:
+        """The motion of the base, each (T, …); None where it does not move."""
+        flat = self.replay.imposed.get(BASE)
+        return None if flat is None else base_of(flat)
+
+    @cached_property
+    def relative(self) -> Coordinates | None:
+        """The states as they are seen from the base; None where it does not move."""
+        flat = self.replay.imposed.get(BASE)
+        return None if flat is None else coordinates(seen(flat, self.run.x), self.mechanism.layout)
 
     @cached_property
     def joints(self) -> Joints:
@@ -71,9 +93,12 @@ class Recorded:
 
     @cached_property
     def wanted(self) -> Sample | None:
-        """The motion that was to be followed, if one was."""
-        way = self.controller.trajectory
-        return None if way is None else way.sample(self.t)
+        """The motion in the world that was to be followed, if one was."""
+        way, flat = self.controller.trajectory, self.replay.imposed.get(BASE)
+        if way is None:
+            return None
+        sample = way.sample(self.t)
+        return carried_motion(flat, sample) if flat is not None and self.controller.seen_from_base else sample
 
     @cached_property
     def wanted_joints(self) -> Array | None:

@@ -1,6 +1,7 @@
 """The trajectory that was to be followed, and the differences from it; none of a run without one."""
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from parflex.robot.joint_words import actuator_units, position_units
 from parflex.robot.layout import pack
 from parflex.robot.state import State
 from parflex.simulation.laws.joint_pd import joints_ahead
+from parflex.simulation.surroundings.imposed import IMPOSED
 from parflex.simulation.variables.motion import ACCELERATION_UNITS
 from parflex.simulation.variables.recorded import Recorded
 from parflex.simulation.variables.variable import Variable
@@ -57,8 +59,10 @@ def rigid_forces(run: Recorded, wanted: Sample) -> Array | None:
         return None
     x = pack(State(wanted.position, wanted.rotation, wanted.twist), layout)
     x[:, layout.at.branches] = run.state.branches
+    imposed = run.replay.imposed
+    kernel: list[Any] = [*(IMPOSED[name].kernel for name in imposed), models.frozen_inverse]
     with np.errstate(invalid="ignore", divide="ignore"):
-        return run.core.readable(models.frozen_inverse)(x=x, platform=wanted.acceleration)["forces"]
+        return run.core.readable(*kernel)(x=x, platform=wanted.acceleration, **imposed)["forces"]
 
 
 def joint_error(run: Recorded) -> Array | None:

@@ -20,6 +20,8 @@ CURVES = {  # of the energy balance; the joints' springs, which few robots have,
     "energy_wrenches": "work of wrenches",
 }
 
+SURROUNDINGS = {"energy_base": "work of the base", "energy_rests": "work of moving rests"}  # where they move
+
 
 def over_time(result: "Result") -> dict[str, Figure]:
     """The figures of a run over time that its result has the data for, by what they show."""
@@ -29,6 +31,7 @@ def over_time(result: "Result") -> dict[str, Figure]:
         "Deformation at the origin": (origin_deformation, {"origin_deformation"}),
         "Deformation at the attachments": (attachment_deformation, {"attachment_deformation"}),
         "Bending of the legs": (leg_deformation, {"leg_deformation", "path_leg"}),
+        "Base and platform": (base_motion, {"base_position", "relative_position"}),
         "Energy balance": (energy, {*CURVES, RESIDUAL}),
     }
     bends = result.dataset.sizes.get("mode", 0) > 0
@@ -139,14 +142,37 @@ def leg_deformation(result: "Result") -> Figure:
     return fig
 
 
+def base_motion(result: "Result") -> Figure:
+    """Where the base is, and the displacement of the platform from where it stood to the base.
+
+    Raises InputError for a run whose base does not move.
+    """
+    require(result, "base_position")
+    require(result, "relative_position")
+    fig = figure(7.0, 4.6)
+    upper, lower = fig.subplots(2, 1, sharex=True)
+    curves(upper, result.dataset["base_position"], "axis", list("xyz"), 1e3)
+    upper.set_ylabel("base, in the world\n(mm)")
+    place = result.dataset["relative_position"]
+    curves(lower, place - place[0], "axis", list("xyz"), 1e3)
+    lower.set_ylabel("platform, seen from\nthe base (mm)")
+    for ax in (upper, lower):
+        legend_right(ax)
+    upper.set_title("Position of the base, and displacement of the platform to it")
+    time_label(lower)
+    fig.align_ylabels([upper, lower])
+    return fig
+
+
 def energy(result: "Result") -> Figure:
     """The energy ledger and the residual of its balance."""
     fig = figure(7.0, 4.6)
     upper, lower = fig.subplots(2, 1, sharex=True, height_ratios=(3, 1))
-    for i, (name, words) in enumerate(CURVES.items()):
+    moved = {name: words for name, words in SURROUNDINGS.items() if name in result.dataset}
+    for i, (name, words) in enumerate((CURVES | moved).items()):
         data = result.dataset[name]
         values = data - data[0] if name == "energy_gravity" else data
-        upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i], label=words)
+        upper.plot(data["time"], values, color=COLOURS[i], linestyle=STYLES[i % len(STYLES)], label=words)
     upper.set_ylabel("energy (J)")
     legend_right(upper)
     residual = result.dataset[RESIDUAL]

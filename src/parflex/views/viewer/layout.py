@@ -8,7 +8,7 @@ import xarray as xr
 from parflex.simulation.variables import ALL_VARIABLES, COORDINATES
 from parflex.simulation.variables.variable import Variable
 
-THREE = ("axis", "platform_axis", "corner")  # dimensions of three entries
+THREE = ("axis", "platform_axis", "base_axis", "corner")  # dimensions of three entries
 KNOWN = (*COORDINATES, *ALL_VARIABLES)
 
 

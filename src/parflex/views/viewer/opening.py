@@ -19,7 +19,10 @@ ESSENTIAL = ("position", "rotation")  # without these there is no robot to draw
 TRUNCATED = re.compile(r"truncated file: eof = (\d+).*stored_eof = (\d+)")
 
 MISSED = {each.name: each.missed for each in KNOWN if each.missed}  # in words
-PER_INSTANT = (*(each.name for each in KNOWN if each.missed and each.changes), "leg_deformation")
+PER_INSTANT = (
+    *(each.name for each in KNOWN if each.missed and each.changes),
+    *("leg_deformation", "base_position", "base_rotation"),
+)
 
 
 class Opened(NamedTuple):

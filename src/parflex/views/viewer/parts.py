@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import xarray as xr
 
-from parflex.base.array import Array
+from parflex.base.array import Array, mtv
 from parflex.mechanics.paths import LINK
 from parflex.views.viewer.solids import Solid, ball, cone, cylinder, drum, tube
 
@@ -15,7 +15,8 @@ STEEL, DARK, MOTOR, FORCE = 0x9AA5B1, 0x525E6B, 0xD55E00, 0x009E73
 class Part(NamedTuple):
     """Solids of one colour, and for the page the kind of placing that moves them, with its numbers.
 
-    `still` (4, 4) places a part that does not move. Indices count points of all paths, path by path.
+    `still` (4, 4) places a part that does not move on its own, at the start. Indices count points of all
+    paths, path by path.
     """
 
     solids: tuple[Solid, ...]
@@ -32,6 +33,15 @@ class Legs(NamedTuple):
     words: Array  # (P, S): base, R or P for a joint, with a star where there is a motor, link, tip, or empty
     owners: Array  # (P,), the leg of each path
     width: float  # m, the radius of a rod
+    base: tuple[Array, Array] | None = None  # places (T, 3) and rotations (T, 3, 3) of one that moves
+
+    def seen(self, p: int, s: int) -> tuple[Array, Array]:
+        """Points and axes (T, 3) of a station, from the base and in its axes."""
+        points, axes = self.points[:, p, s], self.axes[:, p, s]
+        if self.base is None:
+            return points, axes
+        place, rotation = self.base
+        return mtv(rotation, points - place), mtv(rotation, axes)
 
 
 def legs_of(data: xr.Dataset) -> Legs | None:
@@ -41,7 +51,9 @@ def legs_of(data: xr.Dataset) -> Legs | None:
         return None
     points, axes, words, owners = (data[name].values for name in names)
     extent = np.ptp(points.reshape(-1, 3), axis=0) if points.size else np.zeros(3)
-    return Legs(points, axes, words, owners, 0.005 * float(np.linalg.norm(extent)))
+    width, moving = 0.005 * float(np.linalg.norm(extent)), {"base_position", "base_rotation"} <= set(data)
+    base = (data["base_position"].values, data["base_rotation"].values) if moving else None
+    return Legs(points, axes, words, owners, width, base)
 
 
 def parts_of(legs: Legs) -> list[Part]:
@@ -144,16 +156,17 @@ def solid(legs: Legs, p: int, s: int, shape: Solid, colour: int, times: float) -
 
 
 def pedestal(legs: Legs, p: int) -> Part:
-    """The foot of a leg: a flat drum that does not move."""
+    """The foot of a leg: a flat drum on the base."""
     place = np.eye(4)
     place[:3, :3] = np.diag([3.2, 3.2, 0.7]) * legs.width
-    place[:3, 3] = legs.points[0, p, 0] - [0, 0, 2.2 * legs.width]
-    return Part((drum(),), DARK, {"kind": "still"}, place)
+    place[:3, 3] = legs.seen(p, 0)[0][0] - [0, 0, 2.2 * legs.width]
+    return on_base(legs, drum(), DARK, place)
 
 
 def rail(legs: Legs, p: int, s: int) -> Part:
     """The rail of a carriage, along its axis, a little longer than its way."""
-    axis, points = legs.axes[0, p, s], legs.points[:, p, s]
+    points, axes = legs.seen(p, s)
+    axis = axes[0]
     way = (points - points[0]) @ axis
     low, high = float(np.min(way)) - 8 * legs.width, float(np.max(way)) + 8 * legs.width
     across = np.cross(axis, [1.0, 0, 0] if abs(axis[0]) < 0.9 else [0, 1.0, 0])
@@ -163,7 +176,17 @@ def rail(legs: Legs, p: int, s: int) -> Part:
         [1.3 * legs.width * across, 1.3 * legs.width * np.cross(axis, across), (high - low) * axis], axis=-1
     )
     place[:3, 3] = points[0] + low * axis
-    return Part((cylinder(),), STEEL, {"kind": "still"}, place)
+    return on_base(legs, cylinder(), STEEL, place)
+
+
+def on_base(legs: Legs, shape: Solid, colour: int, place: Array) -> Part:
+    """A solid that is fixed to the base, (4, 4) in its axes."""
+    if legs.base is None:
+        return Part((shape,), colour, {"kind": "still"}, place)
+    start = np.eye(4)
+    start[:3, :3], start[:3, 3] = legs.base[1][0], legs.base[0][0]
+    moves = {"kind": "carried", "place": place[:3].ravel().tolist()}
+    return Part((shape,), colour, moves, start @ place)
 
 
 def arrow(attachment: int, width: float) -> Part:

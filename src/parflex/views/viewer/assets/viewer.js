@@ -186,12 +186,17 @@ const placers = {
   solid(part, points, axes) {
     along(part.ids[0], row3(points, part.at), row3(axes, part.at), part.width, part.width);
   },
+  carried(part, points, axes, now) {
+    const R = values("base_rotation", now), base = values("base_position", now);
+    const [x, y, z, place] = [0, 1, 2, 3].map((c) => turned(R, [0, 4, 8].map((r) => part.place[r + c])));
+    put(part.ids[0], [x, y, z], add(base, place));
+  },
 };
 
 function drawLegs(now, R, scale) {
   if (!meta.paths) return;
   const points = stretchedPaths(now, R, scale), axes = values("leg_axis", now);
-  for (const part of parts) placers[part.kind]?.(part, points, axes);
+  for (const part of parts) placers[part.kind]?.(part, points, axes, now);
 }
 
 function drawForces(now, R, scale) {
