@@ -18,7 +18,8 @@ def ask() -> Section:
     """`pf.leg_motion`, per instant, with its checks; beside it the joints of one state."""
     title = f"Legs along a trajectory, {INSTANTS} instants, {os.cpu_count()} threads: per instant"
     section = Section(title, ("positions, rates and accelerations", "µs", "quartiles", "ratio"))
-    models = {entry.name: pf.Model(entry.build(modes=0), "native") for entry in pf.robots.ALL_ROBOTS}
+    entries = [entry for entry in pf.robots.ALL_ROBOTS if entry.output]
+    models = {entry.name: pf.Model(entry.build(modes=0), "native") for entry in entries}
     calls = {}
     for name, model in models.items():
         home = model.robot.home

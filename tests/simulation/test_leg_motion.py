@@ -11,7 +11,7 @@ import zoo
 from measures import actuated, relative
 from parflex.model.core import core_of
 
-ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
+ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS if entry.output}
 UP = (((0.0, 0.0, 0.05), (0.0, 0.0, 0.0)), ((0.0, 0.0, -0.03), (0.0, 0.0, 0.0)))
 HEAVE = {"3-RPS": UP, "3-PRS": UP}  # they turn where they move aside, but not where they rise
 STEP = 1e-5  # s, of central differences: their error is STEP² times a third derivative of some 1e3

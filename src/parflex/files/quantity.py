@@ -15,7 +15,7 @@ LONGEST = 100  # characters of a number with its unit
 POWER = re.compile(r"(\w?)\s*(?:\*\*|\^)\s*([-+]?\d{1,2}(?![\w.]|\s*(?:\*\*|\^)))?")
 
 # pint takes all of these, and percent, for plain numbers; an angle must be named
-ANGLES = {"radian", "milliradian", "degree", "arcminute", "arcsecond", "turn"}
+ANGLES = {"radian", "milliradian", "microradian", "degree", "arcminute", "arcsecond", "turn"}
 CYCLES = {"hertz", "millihertz", "kilohertz"}  # and these for 1/s
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import parflex as pf
 
 STORED = Path(__file__).parent / "gallery.npz"
-ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
+ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS if entry.output}
 COUNT, MODES = 20, 3
 STATE = ("position", "rotation", "twist", "elastic", "elastic_rate")
 

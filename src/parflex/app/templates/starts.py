@@ -18,5 +18,6 @@ STARTS = {
     "rps3": Start('[0, 0, "60 mm"]', '["7 deg", 0, 0]'),
     "prs3": Start('[0, 0, "80 mm"]', '["7 deg", 0, 0]'),
     "delta": Start('["150 mm", "-100 mm", "50 mm"]', "[0, 0, 0]"),
+    "nano-hexapod": Start('["50 um", "-40 um", "30 um"]', '["0.2 mrad", "0.1 mrad", "-0.3 mrad"]'),
     "octapod": Start('["40 mm", "-30 mm", "30 mm"]', '["3 deg", "2 deg", "-3 deg"]'),
 }

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 from parflex.analysis.mobility import motions, rank, scaled_closure
 from parflex.analysis.posed import well_posed
+from parflex.mechanics.held import held
 from parflex.mechanics.output import FrameOutput
 from parflex.model.core import core_of
 from parflex.model.inverting import MOVING, STATIC
@@ -27,7 +28,7 @@ class Choice(NamedTuple):
 def default_control(model: Model, way: Trajectory) -> Choice:
     """The legs' servos along a trajectory, or computed torque where they cannot hold the robot at home."""
     core = core_of(model)
-    if any(core.mechanism.layout.joints):
+    if any(held(core.mechanism).layout.joints):
         why = "the legs' servos need legs with closed-form inverse geometry"
         return Choice(held_frame(model, way), why)
     locked = decisive(core.at_home.locked_poles())

@@ -61,9 +61,12 @@ def spring_forces(system: assembly.System, row: Array) -> Array:
 
 def joints_ahead(system: assembly.System, wanted: Array) -> Array:
     """The ways (…, m) from the actuated joints to where they are wanted; angles within half a turn."""
-    m = system.mechanism
-    slides = m.slides[m.driven][m.force_order]
-    ahead = wanted - assembly.actuated_positions(system)
+    return way_to(system.mechanism, wanted - assembly.actuated_positions(system))
+
+
+def way_to(mechanism: Mechanism, ahead: Array) -> Array:
+    """Differences (…, m) of actuated joints, of angles within half a turn."""
+    slides = mechanism.slides[mechanism.driven][mechanism.force_order]
     return slides * ahead + (1 - slides) * np.arctan2(np.sin(ahead), np.cos(ahead))
 
 

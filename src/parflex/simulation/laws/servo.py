@@ -12,7 +12,7 @@ from parflex.base.array import Array
 from parflex.base.check import NOT_NEGATIVE, finite, obeying, of_type, positive
 from parflex.base.errors import InputError
 from parflex.base.held import Given
-from parflex.mechanics.system import actuated_positions
+from parflex.mechanics.held import held as tips_held
 from parflex.model.core import core_of
 from parflex.model.model import Model
 from parflex.robot.fields import held
@@ -22,7 +22,7 @@ from parflex.simulation.laws.controller import Controller, Start, TableEntry, st
 from parflex.simulation.laws.law import Law
 from parflex.simulation.laws.servo_gains import check_sampled, default_gains
 from parflex.simulation.laws.servo_motion import servo, servo_jacobian, servo_with_integral
-from parflex.simulation.laws.servo_path import check_reach, sagging, wanted_system
+from parflex.simulation.laws.servo_path import check_reach, sagging, wanted
 from parflex.simulation.laws.verdict import Verdict, servo_verdict
 from parflex.simulation.trajectory import Trajectory
 
@@ -33,8 +33,8 @@ RATE = 4000.0  # Hz, of an ordinary servo drive
 class Servo(Controller):
     """The legs' servos: Γ = Γ_r + kp (q_r − q) + kd (q̇_r − q̇) + ki ∫ (q_r − q) dt on the actuated joints.
 
-    The references q_r are the joints of the trajectory's pose, of platform and legs as they sag there at
-    rest; Γ_r are the forces that a robot frozen in that bend would need. kp (N/m or N m/rad), kd and ki are
+    The references q_r are the joints of the trajectory's pose, of platform, legs and soft tips as they sag
+    there at rest; Γ_r are the forces that a robot frozen in that bend would need. kp (N/m or N m/rad), kd and ki are
     scalars or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic frequency
     of the robot with its legs locked where that is lower, on the joint's effective mass at home; ki is 0.
 
@@ -73,7 +73,7 @@ class Servo(Controller):
         of_type("Servo.trajectory", self.trajectory, Trajectory)
         object.__setattr__(self, "rate", positive("Servo.rate", self.rate))
         core = core_of(self.model)
-        if any(core.mechanism.layout.joints):
+        if any(tips_held(core.mechanism).layout.joints):
             raise InputError(
                 "Servo asks the legs for their joints in closed form, which legs that Newton's method solves "
                 "do not give; use ComputedTorque, JointPD or a function of your own"
@@ -112,7 +112,7 @@ class Servo(Controller):
 
     def wanted_joints(self, t: Array) -> Array:
         """The actuated joints q_r (T, m) at times (T,)."""
-        return actuated_positions(wanted_system(core_of(self.model), self.trajectory, self._rows, t))
+        return wanted(core_of(self.model), self.trajectory, self._rows, t).joints
 
     @cached_property
     def _rows(self) -> Array:

@@ -1,0 +1,33 @@
+"""Soft tips that hold the platform: the mechanism that a robot would be if its joints did not give."""
+
+from dataclasses import replace
+from functools import lru_cache
+
+from parflex.mechanics.mechanism import Mechanism
+from parflex.mechanics.redundancy import solvable
+from parflex.robot.leg import Tip
+from parflex.robot.robot import Robot
+
+
+def held(mechanism: Mechanism) -> Mechanism:
+    """The mechanism on a base at rest whose soft tips hold the platform, each leg of the type that this makes
+    it; itself where no tip is soft. Raises OutOfReach where the legs do not meet the platform at home."""
+    if not mechanism.soft:
+        return mechanism
+    firm, chains = holding(mechanism.robot), {group.legs: group.chain for group in mechanism.groups}
+    groups = tuple(group._replace(chain=chains.get(group.legs, group.chain)) for group in firm.groups)
+    return replace(firm, groups=groups, platform=mechanism.platform, gravity=mechanism.gravity)
+
+
+@lru_cache(maxsize=32)
+def holding(robot: Robot) -> Mechanism:
+    """The mechanism of a robot whose soft tips hold the platform."""
+    legs = [replace(leg, tips=[hard(tip) for tip in leg.tips]) for leg in robot.legs]
+    return solvable(replace(robot, legs=legs))
+
+
+def hard(tip: Tip) -> Tip:
+    """The tip that does not leave the platform's point."""
+    if tip.flexure is None or not tip.flexure.soft:
+        return tip
+    return replace(tip, flexure=replace(tip.flexure, translation=None, translation_damping=None))
