@@ -65,7 +65,7 @@ def row(entry: Entry) -> str:
 
 def struts() -> pf.Robot:
     """The robot of the page's Python."""
-    (code,) = re.findall(r"```python\n(.*?)```", (PICTURES.parent / "gallery.md").read_text(), re.DOTALL)
+    code, _ = re.findall(r"```python\n(.*?)```", (PICTURES.parent / "gallery.md").read_text(), re.DOTALL)
     made: dict = {}
     exec(code, made)
     return made["robot"]

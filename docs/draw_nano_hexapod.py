@@ -1,4 +1,4 @@
-"""Draws the pictures of the nano-hexapod of gallery.md and prints its frequencies: python docs/draw_nano_hexapod.py"""
+"""Draws the nano-hexapod of gallery.md and prints its table: python docs/draw_nano_hexapod.py"""
 
 import re
 from dataclasses import replace

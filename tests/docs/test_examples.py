@@ -51,5 +51,6 @@ def test_snippet_of_the_readme(tmp_path):
 
 
 def test_snippet_on_drives(tmp_path):
-    _, snippet = re.findall(r"```python\n(.*?)```", (DOCS / "flexible-legs.md").read_text(), re.DOTALL)
+    snippets = re.findall(r"```python\n(.*?)```", (DOCS / "flexible-legs.md").read_text(), re.DOTALL)
+    (snippet,) = [each for each in snippets if "drive_stiffness" in each]
     run(snippet + "assert np.allclose(np.array(squeezed) * 80, -forces), motors", tmp_path)

@@ -11,7 +11,7 @@ from places import DOCS
 
 GALLERY = (DOCS / "gallery.md").read_text(encoding="utf-8")
 PAGE = (DOCS / "flexible-legs.md").read_text(encoding="utf-8")
-(CODE,) = re.findall(r"```python\n(.*?)```", GALLERY, re.DOTALL)
+CODE, _ = re.findall(r"```python\n(.*?)```", GALLERY, re.DOTALL)
 
 pytestmark = pytest.mark.slow
 

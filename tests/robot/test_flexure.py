@@ -13,6 +13,27 @@ def test_an_axis_is_a_direction_of_any_length(size):
     assert np.allclose(found, [[11, 12, 0], [12, 18, 0], [0, 0, 2]], rtol=1e-12)
 
 
+def test_a_soft_one_has_the_same_axes():
+    """As above: K_t has the axial stiffness along, the shear across."""
+    found = pf.Flexure.about((3, 4, 0), axial=27.0, shear=2.0, translation_damping=5.0)
+    assert np.allclose(found.translation, [[11, 12, 0], [12, 18, 0], [0, 0, 2]], rtol=1e-12)
+    assert np.array_equal(found.translation_damping, 5 * np.eye(3))
+    assert not np.any(found.stiffness)
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        ({"axial": 1.0}, "shear is missing"),
+        ({"shear": 1.0}, "axial is missing"),
+        ({"translation_damping": 1.0}, "translation_damping is given without axial and shear"),
+    ],
+)
+def test_half_of_a_soft_one(given, words):
+    with pytest.raises(pf.InputError, match=words):
+        pf.Flexure.about((0, 0, 1), **given)
+
+
 def test_no_axis():
     with pytest.raises(pf.InputError, match=r"axis is \[0.0, 0.0, 0.0\]; give a direction"):
         pf.Flexure.about((0, 0, 0), bending=1)

@@ -115,7 +115,7 @@ def test_the_documentation_has_a_row_for_each_field():
     for column in described(pf.Joint).values():
         if column.file:
             first = np.reshape(column.default, -1)[0]
-            default = "none" if np.isinf(first) else f"{first:g}"
+            default = "none" if first is None or np.isinf(first) else f"{first:g}"
             assert f"| `{column.file}` | {column.words} | {column.kind.unit} | {default} |\n" in page
     parameters = ", ".join(f"`{name}`" for name, column in described(pf.Joint).items() if column.parameter)
     assert f"X one of {parameters}, " in (DOCS / "parameters.md").read_text(encoding="utf-8")

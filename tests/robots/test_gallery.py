@@ -19,6 +19,7 @@ from places import DOCS
 ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
 GAP = 1e-12  # m: round-off at the tips
 SAME = 1e-10  # two orders of the same operations
+SOFT = 1e-9  # likewise, where round-off of positions, 1e-17 m, is pulled at by flexures of 1e8 N/m
 INVERSE = 1e-9  # the accuracy the library promises
 GEOMETRY = 1e-10  # m and rad: Newton's method to its end
 REST = 1e-8  # of an equilibrium's forces: the bend is found to 1e-9 of itself
@@ -142,14 +143,14 @@ def test_inverse_after_direct(name, flexible):
 def test_backends_agree(name, flexible):
     u, target = forces(name, flexible), np.ones(len(ENTRIES[name].output) or robot(name, flexible).n_forces)
     plain, fast = model(name, flexible), compiled(name, flexible)
-    at = states(name, flexible)
+    at, same = states(name, flexible), SOFT if any(leg.soft for leg in plain.robot.legs) else SAME
     for a, b in zip(fast.joints(at), plain.joints(at), strict=True):
-        assert relative(np.concatenate(a, axis=-1), np.concatenate(b, axis=-1)) <= SAME
+        assert relative(np.concatenate(a, axis=-1), np.concatenate(b, axis=-1)) <= same
     direct = (m.direct(at, u) for m in (plain, fast))
     inverse = (m.inverse(at, target, output(name)) for m in (plain, fast))
     for answers in (direct, inverse):
         for a, b in zip(*answers, strict=True):
-            assert relative(b, a) <= SAME
+            assert relative(b, a) <= same
 
 
 def cloud(name: str, flexible: bool) -> oracle.NodalPlatform:

@@ -97,7 +97,10 @@ DRIVE |= COMPLIANCE
 BARS = {n: positive(0.2, none=True) for n in ("mass", "outer", "inner", "length", "density", "young")}
 SHAPE_COUNTS = {n: whole(1) for n in ("axial", "torsion")} | {"static": flag()}
 BEAM = pf.beam((0, 0, 1.0), 0.1, young=2e11, poisson=0.3, density=7850.0)
-FLEXURE = {n: number(0.1, more={"negative": -1.0}) for n in ("bending", "torsion", "damping")}
+FLEXURE = {
+    name: number(0.1, none=name in ("axial", "shear"), more={"negative": -1.0})
+    for name in ("bending", "torsion", "damping", "axial", "shear", "translation_damping")
+}
 LEGS = things([np.zeros(3)] * 6, none=True)
 LEGS = LEGS._replace(bad={name: bad for name, bad in LEGS.bad.items() if name not in ("ragged", "nothings")})
 RUN = pf.simulate(MODEL, GAMMA, HOME, [0.0, 1e-3])
@@ -176,6 +179,7 @@ DOORS: dict[str, Door] = {
     "Flexure": Door(
         pf.Flexure,
         {n: array(np.eye(3)) for n in ("stiffness", "damping")}
+        | {n: array(np.eye(3), none=True) for n in ("translation", "translation_damping")}
         | {"friction": number(more={"negative": -1.0}), "friction_speed": positive()}
         | {"rest": rotation(none=True)},
     ),
@@ -371,7 +375,7 @@ DOORS: dict[str, Door] = {
 }
 DOORS |= {
     f"robots.{name}": Door(getattr(pf.robots, name), {"modes": whole(0), "platform": MAYBE} | RATIO)
-    for name in ("delta", "octapod", "prs3", "pus6", "rps3", "rus6")
+    for name in ("delta", "octapod", "prs3", "pus6", "rps3", "rus6", "nano_hexapod")
 }
 DOORS |= {
     f"{type(law).__name__}.verdict": Door(law.verdict, {"state": thing(None, none=True, batch=BATCH)})

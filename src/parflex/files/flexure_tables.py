@@ -24,23 +24,17 @@ def flexure_of(table: FlexureTable, axis: Array | None = None) -> Flexure:
     """The flexure of a table; its bending and torsion are about an axis (3,) in the axes of the platform's
     section, axial and shear stiffness along and across it, before it is known about any."""
     n = SLIDES if axis is None else axis
-    about = Flexure.about(n, bending=table.bending or 0.0, torsion=table.torsion or 0.0)
+    turning = {"bending": table.bending or 0.0, "torsion": table.torsion or 0.0}
+    about = Flexure.about(n, **turning, axial=table.axial, shear=table.shear)
     return Flexure(
         about.stiffness if table.stiffness is None else table.stiffness,
         square(table.damping),
         table.friction,
         table.friction_speed,
         None if table.rest is None else rotation_of(table.rest),
-        translation_of(table, n),
+        about.translation if table.translation is None else table.translation,
         None if table.translation_damping is None else square(table.translation_damping),
     )
-
-
-def translation_of(table: FlexureTable, n: Array) -> Any:
-    """K_t (3, 3) of a soft tip along and across an axis (3,); None where the tip is not soft."""
-    if table.axial is None or table.shear is None:
-        return table.translation
-    return Flexure.about(n, bending=table.shear, torsion=table.axial).stiffness
 
 
 def square(damping: Any) -> Array:

@@ -50,7 +50,7 @@ class Coupling:
         n = len(self.joints)
         for name, shape in (("stiffness", (n, n)), ("damping", (n, n)), ("rest", (n,))):
             value: Any = getattr(self, name)
-            value = np.zeros(shape) if np.ndim(value) == 0 and np.all(value == 0.0) else value
+            value = np.zeros(shape) if isinstance(value, (int, float)) and value == 0 else value
             object.__setattr__(self, name, exactly(f"Coupling.{name}", value, shape))
         for name in ("stiffness", "damping"):
             check_not_negative(f"Coupling.{name}", getattr(self, name))

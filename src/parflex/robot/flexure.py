@@ -77,22 +77,45 @@ class Flexure:
 
     @staticmethod
     def about(
-        axis: ArrayLike, *, bending: float = 0.0, torsion: float = 0.0, damping: float = 0.0
+        axis: ArrayLike,
+        *,
+        bending: float = 0.0,
+        torsion: float = 0.0,
+        damping: float = 0.0,
+        axial: float | None = None,
+        shear: float | None = None,
+        translation_damping: float = 0.0,
     ) -> "Flexure":
-        """A flexure alike in all directions across an axis (3,): K = k_b (1 − n nᵀ) + k_t n nᵀ, N m/rad.
+        """A flexure alike in all directions across an axis n (3,): K = k_b (1 − n nᵀ) + k_t n nᵀ, N m/rad.
 
-        damping (N m s/rad) is the same in all directions.
+        With `axial` k_a and `shear` k_s, N/m, it is soft: K_t = k_s (1 − n nᵀ) + k_a n nᵀ. damping
+        (N m s/rad) and translation_damping (N s/m) are the same in all directions.
 
-        Raises InputError for an axis without a direction, and for a number that is negative.
+        Raises InputError for an axis without a direction, for a number that is negative, and where only one
+        of axial and shear is given.
         """
         n = exactly("axis", axis, (3,))
         n = n / max(float(np.max(np.abs(n))), np.finfo(float).tiny)
         if not np.any(n):
             raise InputError(f"axis is {n.tolist()}; give a direction")
-        for name, value in (("bending", bending), ("torsion", torsion), ("damping", damping)):
+        if (axial is None) != (shear is None):
+            lacking = "axial" if axial is None else "shear"
+            raise InputError(f"{lacking} is missing; a soft flexure needs axial and shear, in N/m")
+        numbers = {"bending": bending, "torsion": torsion, "damping": damping}
+        numbers["translation_damping"] = translation_damping
+        if axial is not None and shear is not None:
+            numbers |= {"axial": axial, "shear": shear}
+        for name, value in numbers.items():
             obeying(name, finite(name, value, ()), NOT_NEGATIVE)
         along = np.outer(n, n) / (n @ n)
-        return Flexure(bending * (np.eye(3) - along) + torsion * along, damping * np.eye(3))
+        across = np.eye(3) - along
+        turning = bending * across + torsion * along, damping * np.eye(3)
+        if axial is None or shear is None:
+            if translation_damping:
+                raise InputError("translation_damping is given without axial and shear, in N/m; give both")
+            return Flexure(*turning)
+        pulled = shear * across + axial * along
+        return Flexure(*turning, translation=pulled, translation_damping=translation_damping * np.eye(3))
 
 
 def check_not_negative(name: str, matrix: Array) -> None:

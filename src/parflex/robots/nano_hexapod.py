@@ -55,7 +55,7 @@ def joints(length: float, lean: float) -> tuple[Joint, ...]:
     """
     bends: dict[str, Any] = {"sigma": 0, "k": BENDING, "Fv": TURNING_DAMPING}
     stack: dict[str, Any] = {"k": STACK, "Fv": STACK_DAMPING, "IA": STACK_MASS, "drive_stiffness": LEVER}
-    reach = {"q_0": length, "q_min": length - STROKE, "q_max": length + STROKE}
+    reach: dict[str, Any] = {"q_0": length, "q_min": length - STROKE, "q_max": length + STROKE}
     return (
         Joint(0, alpha=-np.pi / 2, q_0=lean - np.pi / 2, **bends),
         Joint(1, alpha=np.pi / 2, q_0=np.pi / 2, **bends, **bar_link(HALF, (0, -1, 0))),
@@ -64,8 +64,9 @@ def joints(length: float, lean: float) -> tuple[Joint, ...]:
 
 
 def flexure(n: Array) -> Flexure:
-    """The upper flexure of a strut along n (3,); in series with it the lower one, along and about the strut."""
-    return Flexure.about(n, bending=BENDING, torsion=TORSION / 2, damping=TURNING_DAMPING)
+    """The upper flexure of a strut along n (3,), in series with the lower one along and about the strut."""
+    turning = {"bending": BENDING, "torsion": TORSION / 2, "damping": TURNING_DAMPING}
+    return Flexure.about(n, **turning, axial=AXIAL / 2, shear=SHEAR, translation_damping=DAMPING)
 
 
 def leg(number: int) -> Leg:

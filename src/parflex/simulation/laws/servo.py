@@ -34,9 +34,10 @@ class Servo(Controller):
     """The legs' servos: Γ = Γ_r + kp (q_r − q) + kd (q̇_r − q̇) + ki ∫ (q_r − q) dt on the actuated joints.
 
     The references q_r are the joints of the trajectory's pose, of platform, legs and soft tips as they sag
-    there at rest; Γ_r are the forces that a robot frozen in that bend would need. kp (N/m or N m/rad), kd and ki are
-    scalars or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic frequency
-    of the robot with its legs locked where that is lower, on the joint's effective mass at home; ki is 0.
+    there at rest; Γ_r are the forces that a robot frozen in that bend would need. kp (N/m or N m/rad), kd
+    and ki are scalars or (m,). By default they give each leg ζ = 0.7 at 20 Hz, or at half the lowest elastic
+    frequency of the robot with its legs locked where that is lower, on the joint's effective mass at home;
+    ki is 0.
 
     On a base that moves (`simulate`) the trajectory is one that is seen from the base, of which encoders
     know nothing else: Γ_r are the forces on a base at rest. The rests of springs that move are known.

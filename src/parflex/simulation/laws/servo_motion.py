@@ -22,7 +22,7 @@ from parflex.simulation.laws.joint_pd import joints_ahead
 
 
 class Reference(NamedTuple):
-    """What the trajectory asks of a robot whose soft tips hold the platform, and of its actuated joints."""
+    """A trajectory as a robot follows it whose soft tips hold the platform, and its actuated joints."""
 
     system: assembly.System
     acceleration: Array  # V̇_p (…, 6)
@@ -121,7 +121,7 @@ def reference(mechanism: Mechanism, t: Array, row: Array, branches: Array) -> Re
 
 
 def branches_of(mechanism: Mechanism, firm: Mechanism, branches: Array, t: Array) -> Array:
-    """The branches of the robot whose soft tips hold: those of the state, or, of other legs, those at home."""
+    """The branches of the robot whose soft tips hold: those of the state or, of other legs, those at home."""
     if firm.layout.branched == mechanism.layout.branched:
         return branches
     at_home = flat_state(firm, firm.robot.home)[firm.layout.at.branches]

@@ -64,7 +64,7 @@ def sag_of_tips(core: Core, x: Array, forces: Array) -> Array:
 
 
 def wanted(core: Core, way: Trajectory, rows: Array, t: Array) -> Reference:
-    """What a servo with these rows wants at times t (T,)."""
+    """The references of a servo with these rows at times t (T,)."""
     layout = core.mechanism.layout
     home = core.flat(core.robot.home)[layout.at.branches]
     row = rows[way.starts.searchsorted(t, side="right") - 1]
