@@ -263,7 +263,7 @@ BAD = {
     "a strut without a direction": (
         ('{ frame = 3, offset = [0, 0, "620 mm"]', "{ frame = 1"),
         13,
-        "flexure.stiffness differs along and across the strut, but the tip is at the origin of frame 1",
+        "flexure: stiffness differs along and across the strut, but the tip is at the origin of frame 1",
     ),
 }
 

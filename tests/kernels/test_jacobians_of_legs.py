@@ -91,6 +91,12 @@ def test_direct_against_differences(case):
     assert by_column(np.concatenate([found.load, found.carried_load]), expected) <= DIFFERENCES
 
 
+RATES = {  # stiff soft tips ask for a longer step, by round-off, and friction at low rates for a shorter
+    "gs_flexlegs": 1e-3,
+    "delta_flexarms_foreshortening": 4e-3,
+}
+
+
 @pytest.mark.parametrize(("name", "which"), CASES)
 def test_soft_tips_against_differences(name, which):
     """By every motion, by forces and loads, and by the stiffness and damping of a soft tip."""
@@ -99,7 +105,7 @@ def test_soft_tips_against_differences(name, which):
     model = pf.Model(robot, "numpy", parameters=[of_tip, f"{of_tip}_damping"])
     core, state, forces = core_of(model), pulled_off(robot, 1), np.linspace(-50.0, 80.0, robot.n_forces)
     found, x = model.direct_jacobian(state, forces), core.flat(state)
-    steps = STEPS | {"joint_rates": 1e-2}  # half the step, three times the error: it is round-off
+    steps = STEPS | {"joint_rates": RATES[name]}
     expected = by_motions(core, lambda d: accelerations(core, moved(x, d), forces), steps)
     assert by_column(np.concatenate([found.state, found.carried]), expected) <= DIFFERENCES
     theta = core.functions.theta

@@ -11,7 +11,6 @@ from parflex.base.array import join, mtv, mv, transpose
 from parflex.kernels import models as kernels
 from parflex.mechanics import cartesian, dynamics, kinematics, recursion
 from parflex.mechanics import system as assembly
-from parflex.mechanics.leg_terms import selection
 from parflex.mechanics.redundancy import solvable
 from parflex.mechanics.wrench import generalised_force
 from parflex.model.core import core_of
@@ -141,7 +140,7 @@ def test_closure_and_leg_equations_hold(case):
     ).reshape(STATES, 6, 3)
     assert relative(mv(leg.J, qdd) + leg.Jdqd, tips) <= SOLVED
     assert relative(cartesian.tip_to_joints(leg, tips), qdd) <= SOLVED
-    axes = transpose(cartesian.inverse_jacobian(leg)) @ selection(leg.group)
+    axes = transpose(cartesian.inverse_jacobian(leg)) @ leg.group.S
     assert relative(cartesian.tip_force(leg, axes, forces[:, :, None], qdd), f) <= SOLVED
 
 
@@ -210,11 +209,12 @@ def test_inertia_matrix_is_that_of_the_inverse_dynamics(case):
     model, _, _, x = case
     (leg,) = assembly.assemble(core_of(model).mechanism, x).legs
     table, frames = leg.group.chain, leg.bent
+    rest = recursion.Motion(*np.zeros((3, 3)))
     for k in range(3):
         unit = np.zeros(3)
         unit[k] = 1.0
         still = 0 * leg.zd
-        motions = recursion.link_motions(table, frames, still, unit, np.zeros(3))
+        motions = recursion.link_motions(table, frames, still, unit, rest)
         assert (
             relative(recursion.inverse_dynamics(table, frames, motions, still, unit), leg.A[..., k]) <= SAME
         )

@@ -47,8 +47,8 @@ def test_no_moment_and_no_energy_at_home():
     model = pf.Model(unsaid(robot), "numpy", ["gravity"])
     for each in (model, model.with_parameters({"gravity": [0.0, 0.0, -5.0]})):
         legs = core_of(each).system(robot.home).legs
-        assert max(np.max(np.abs(leg.bending)) for leg in legs) <= 1e-14
-        assert max(np.max(np.abs(leg.moment)) for leg in legs) <= 1e-12
+        assert max(np.max(np.abs(leg.flexed.bending)) for leg in legs) <= 1e-14
+        assert max(np.max(np.abs(leg.flexed.moment)) for leg in legs) <= 1e-12
     a, states = flexlegs.arrays(NAME), flexlegs.states(NAME)
     for backend in ("numpy", "vm", "native"):
         found = pf.Model(unsaid(robot), backend).direct(states, a["forces"])
@@ -64,4 +64,6 @@ def test_rests_that_are_given_stay():
     other = replace(tip, flexure=replace(tip.flexure, rest=turn @ tip.flexure.rest))
     model = pf.Model(replace(robot, legs=(replace(robot.legs[0], tips=(other,)), *robot.legs[1:])), "numpy")
     legs = core_of(model).system(robot.home).legs
-    assert max(np.max(np.abs(leg.bending)) for leg in legs) == pytest.approx(2 * np.tan(0.05), rel=1e-9)
+    assert max(np.max(np.abs(leg.flexed.bending)) for leg in legs) == pytest.approx(
+        2 * np.tan(0.05), rel=1e-9
+    )

@@ -62,7 +62,7 @@ def test_each_variable_is_labelled_as_the_table_has_it(recorded, model_of):
         assert recorded[each.name].attrs["long_name"] == each.words
     assert {each.name for each in ALL_VARIABLES} - {each.name for each in held} == {
         "desired_position", "desired_rotation", "desired_acceleration", "acceleration_error", "pose_error",
-        "rigid_forces", "leg_elastic", "leg_elastic_rate", "leg_mode_link", "leg_frequency",
+        "rigid_forces", "leg_elastic", "leg_elastic_rate", "leg_mode_link", "leg_mode_drive", "leg_frequency",
         "leg_deformation", "spring_rest", "energy_rests", "energy_base",
         "base_position", "base_rotation", "base_twist", "base_acceleration",
         "relative_position", "relative_rotation", "relative_twist",
