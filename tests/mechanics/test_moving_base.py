@@ -12,6 +12,7 @@ from scipy.spatial.transform import Rotation
 import flexlegs
 import parflex as pf
 from differences import by_column, difference, moved
+from floors import moving_base, shifted
 from lagrange import Lagrange, errors
 from measures import random_states, relative
 from parflex.kernels import motion
@@ -24,12 +25,6 @@ SAME = 1e-9  # of the issue; 1e-12 is reached
 def named(name):
     """A robot of bent legs, some rigid and some that carry their joints, with flexures."""
     return flexlegs.mixed(name)
-
-
-def moving_base(seed, scale=1.0):
-    rng = np.random.default_rng(100 + seed)
-    R = Rotation.from_rotvec(rng.normal(size=3)).as_matrix()
-    return pf.BaseMotion(rng.normal(size=3), R, scale * rng.normal(size=6), 5 * scale * rng.normal(size=6))
 
 
 def carried(state, base):
@@ -109,13 +104,6 @@ def test_a_constant_acceleration_is_gravity(name):
     assert relative(found.platform - absolute, heavy.platform) <= SAME
     assert relative(found.elastic, heavy.elastic) <= SAME
     assert relative(found.contact_forces, heavy.contact_forces) <= SAME
-
-
-def shifted(base, change):
-    """The base a little beside, by one of the 18 small changes."""
-    turned = Rotation.from_rotvec(change[3:6]).as_matrix() @ base.rotation
-    twist, acceleration = base.twist + change[6:12], base.acceleration + change[12:]
-    return pf.BaseMotion(base.position + change[:3], turned, twist, acceleration)
 
 
 def test_derivatives_on_a_base_are_those_of_the_model():
