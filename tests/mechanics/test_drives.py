@@ -161,6 +161,9 @@ def test_the_platform_does_not_accelerate_at_once(name, backend):
     for allowed in (False, True):
         with pytest.raises(pf.InputError, match=r"JointOutput\(\)"):
             model.inverse(state, np.zeros(6), allow_ill_posed=allowed)
+    for asked in (lambda: model.inverse_jacobian(state, np.zeros(6)), lambda: model.output_report(state)):
+        with pytest.raises(pf.InputError, match="a compliance lies between motors and platform"):
+            asked()
     target = np.linspace(-1, 1, 6)
     found = model.inverse(state, target, pf.JointOutput())
     there = model.direct(state, found.forces)

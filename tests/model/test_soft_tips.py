@@ -100,6 +100,9 @@ def test_inverse_models_through_soft_tips():
     for given in ({}, {"allow_ill_posed": True}, {"legs": "static"}):
         with pytest.raises(pf.InputError, match="soft tips give.*JointOutput"):
             model.inverse(state, np.zeros(6), **given)
+    for asked in (lambda: model.inverse_jacobian(state, np.zeros(6)), lambda: model.output_report(state)):
+        with pytest.raises(pf.InputError, match="soft tips give.*JointOutput"):
+            asked()
     target = np.arange(6.0)
     found = model.inverse(state, target, output=pf.JointOutput())
     moved = model.direct(state, found.forces).leg_joints
@@ -108,6 +111,8 @@ def test_inverse_models_through_soft_tips():
     model = pf.Model(mixed, "numpy")
     with pytest.raises(pf.InputError, match="soft tips give between motors and platform"):
         model.inverse(mixed.home, np.zeros(6))
+    with pytest.raises(pf.InputError, match="soft tips give between motors and platform"):
+        model.inverse_jacobian(mixed.home, np.zeros(6))
     with pytest.raises(pf.InputError, match="leave it out"):
         model.inverse(mixed.home, np.zeros(6), output=pf.JointOutput(), legs="static")
 

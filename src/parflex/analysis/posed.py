@@ -10,13 +10,15 @@ to 0, with their number.
 import numpy as np
 
 from parflex.analysis.gains import gain_matrix, gain_ratio
+from parflex.analysis.health import check_finite, check_health
 from parflex.base.array import Array
 from parflex.base.check import index_of
 from parflex.base.errors import InputError
 from parflex.compiled.functions import Functions
 from parflex.kernels import models
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.output import THROUGH_DRIVES, THROUGH_SOFT_TIPS, Output
+from parflex.mechanics.output import THROUGH_DRIVES, THROUGH_SOFT_TIPS, Output, PlatformOutput
+from parflex.mechanics.system import examined
 
 # of the gain with legs that do not bend. Shapes that bend a strut leave 1.0 and more. Those that
 # stretch a rod between motor and platform leave less than nothing, or little: two of them a half at
@@ -42,6 +44,20 @@ def well_posed(functions: Functions, output: Output, x: Array) -> bool:
         return True
     gains = (functions(build, output)(x=x)["flexible"] for build in (models.gains, models.platform_gains))
     return bool(least_share(mechanism, output, *gains) >= LEAST)
+
+
+def check_reached(functions: Functions, output: Output, x: Array) -> None:
+    """Raise InputError where forces accelerate an output of the platform not at once, but through drives that
+    give or soft tips, at flat states (…, size); raises as `check_health` where these are no states."""
+    mechanism = functions.mechanism
+    softly = mechanism.soft or any(leg.drives for leg in mechanism.robot.legs)
+    if softly and isinstance(output, PlatformOutput):
+        check_health(mechanism, examined(mechanism, x)[1])
+        builds = (models.gains, models.platform_gains)
+        gains = [functions(build, output).run(x=x)["flexible"] for build in builds]
+        for gain in gains:
+            check_finite(gain)
+        check_posed(mechanism, output, *gains, allowed=True)
 
 
 def check_posed(

@@ -7,6 +7,7 @@ import numpy as np
 from parflex.analysis.equilibrium import at_rest
 from parflex.analysis.gains import check_gain, gain_matrix, gain_ratio, ratio
 from parflex.analysis.health import check_finite
+from parflex.analysis.posed import check_reached
 from parflex.analysis.small_motions import allowed, poles, slopes
 from parflex.base.array import Array
 from parflex.compiled.functions import Functions
@@ -63,6 +64,7 @@ def output_report(functions: Functions, state: State, output: Output) -> OutputR
     """The report about the equilibrium in the pose of a state."""
     mechanism = functions.mechanism
     x, forces = at_rest(functions, "state", state)
+    check_reached(functions, output, x)
     gains = functions(models.gains, output)(x=x)
     check_finite(gains["flexible"])
     check_gain(mechanism, output, x, gains["flexible"], gains["rigid"])

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.analysis import health
+from parflex.analysis.posed import check_reached
 from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.kernels import jacobians
@@ -65,6 +66,7 @@ def inverse_jacobian_of(
     output, m = inputs.square(core, output), core.mechanism.n_forces
     wanted = finite("target", target, (m,))
     given, theta = inputs.of_jacobian(core, state, wrenches, parameters, target=wanted)
+    check_reached(core.readable, output, given["x"])
     found = core.functions(jacobians.inverse_jacobian, output, places_of(wrenches), theta=theta)(**given)
     core.check(given["x"], found["health"])
     health.check_finite(found["by_state"])

@@ -174,7 +174,7 @@ class ComputedTorque(Controller):
         check_legs_word("ComputedTorque.legs", self.legs)
         if self.legs == MOVING and not well_posed(core.readable, self.output, core.flat(core.robot.home)):
             raise InputError(
-                "ComputedTorque asks for the platform's acceleration at once, but its legs bend between "
+                "ComputedTorque asks for the platform's acceleration at once, but legs or tips give between "
                 f'motors and platform: use Servo, or ComputedTorque(…, legs="{STATIC}") with gains low '
                 f"beside their frequencies"
             )
