@@ -15,6 +15,7 @@ import cases
 import flexlegs
 import parflex as pf
 import rewriting
+from gives import everything
 from measures import relative
 from parflex.export.cases import leg_sag, magnitudes, sag
 from parflex.export.interface import routines
@@ -121,6 +122,21 @@ def test_self_test_passes_and_the_library_agrees(folder_of, name):
     assert "all passed" in said
     assert said.count("pass  ") >= 9
     compare(library, *ROBOTS[name])
+
+
+@compiled_here
+@pytest.mark.slow
+@pytest.mark.parametrize("name", flexlegs.NAMES)
+def test_where_everything_gives_the_self_test_knows_its_round_off(tmp_path, name):
+    """Soft tips, drives, couplings, bent links; light ones under stiff couplings leave 5e-12 to chance."""
+    pf.export_c(everything(name), tmp_path, pf.JointOutput())
+    assert "all passed" in run("make", at=tmp_path)
+
+
+def test_where_nothing_is_stiff_the_self_test_is_strict(folder_of):
+    compared = re.findall(r"differs\(.*, (\S+)\);", (folder_of("delta") / "test_model.c").read_text())
+    assert len(compared) >= 9
+    assert set(compared) == {"1.0e-12"}
 
 
 def compare(library, build, output):

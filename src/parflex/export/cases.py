@@ -1,5 +1,9 @@
 """The cases of the exported self-test: inputs near home, and the answers of the NumPy reference."""
 
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import casadi
 import numpy as np
 
 from parflex.base.array import Array
@@ -16,10 +20,21 @@ MOVED = 0.02  # of the platform's size, and rad
 GRAVITY = 9.81  # m/s²: what accelerations, forces and the sag are measured by
 MOVING = 0.1  # m/s, rad/s, modal rates
 OFF = 1e-5  # m, m/s, rad: what states to be projected are off the closure
+SAME = 1e-12  # of an array's largest entry, or of 1: where C agrees with the reference
+ROUNDINGS = 10.0  # times what two orders of the same operations differ by, where stiff tips make more of it
+WRONG = 1e-9  # of the same: no round-off
 
 
-def cases(mechanism: Mechanism, routine: Routine) -> tuple[Array, Array]:
-    """Inputs (COUNT, Σ n_i) and outputs (COUNT, Σ m_i) of a function, side by side."""
+class Cases(NamedTuple):
+    """The cases of a function, side by side, and how far each output of C may be from them."""
+
+    inputs: Array  # (COUNT, Σ n_i)
+    outputs: Array  # (COUNT, Σ m_i)
+    tolerances: tuple[float, ...]  # of each output's largest entry, or of 1
+
+
+def cases(mechanism: Mechanism, routine: Routine, graph: casadi.Function) -> Cases:
+    """The cases of a function, of which the graph is what C is written of."""
     rng, kernel, scales = np.random.default_rng(1), routine.kernel, magnitudes(mechanism)
     x = states(mechanism)
     if not routine.closure:
@@ -28,7 +43,32 @@ def cases(mechanism: Mechanism, routine: Routine) -> tuple[Array, Array]:
         x = x + OFF * off * rng.normal(size=x.shape)
     sizes = {name: size for name, size in kernel.inputs.items() if name != "x"}
     inputs = {"x": x} | {name: scales[name] * rng.normal(size=(COUNT, n)) for name, n in sizes.items()}
-    return np.hstack(list(inputs.values())), np.hstack(list(NumpyFunction(kernel)(**inputs).values()))
+    outputs = NumpyFunction(kernel)(**inputs)
+    given, expected = (np.hstack(list(each.values())) for each in (inputs, outputs))
+    return Cases(given, expected, tolerances(graph, inputs, outputs))
+
+
+def tolerances(
+    graph: casadi.Function, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
+) -> tuple[float, ...]:
+    """How far each output may be off: SAME, or more where the order of operations makes more of it, as of the
+    force of a stiff soft tip, which is a small difference of places.
+
+    Raises InputError where the graph differs from the reference by more than round-off.
+    """
+    rows = [graph.call([casadi.DM(x[k]) for x in inputs.values()]) for k in range(COUNT)]
+    found = []
+    for expected, *results in zip(outputs.values(), *rows, strict=True):
+        largest = np.max(np.abs(expected), axis=-1, keepdims=True, initial=1.0)
+        got = np.reshape([np.array(result) for result in results], expected.shape)
+        off = float(np.max(np.abs(got - expected) / largest, initial=0.0))
+        if not off <= WRONG:
+            raise InputError(
+                f"the code of {graph.name()} differs from the reference by {off:.1e} near home, where the "
+                f"robot is too ill-conditioned for doubles; move its home, or soften its stiffest parts"
+            )
+        found.append(max(SAME, ROUNDINGS * off))
+    return tuple(found)
 
 
 def magnitudes(mechanism: Mechanism) -> dict[str, Array]:

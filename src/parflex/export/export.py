@@ -5,6 +5,7 @@ import re
 from contextlib import ExitStack
 from pathlib import Path
 
+import casadi
 import numpy as np
 
 from parflex.analysis.posed import well_posed
@@ -13,7 +14,7 @@ from parflex.base.progress import waiting
 from parflex.base.writing import replacing
 from parflex.compiled.vm import trace
 from parflex.export.cases import cases, home
-from parflex.export.code import Body, body
+from parflex.export.code import body
 from parflex.export.interface import OPTIONAL, Routine, routines
 from parflex.export.text import FILES, MARK, Export, texts
 from parflex.mechanics.mechanism import Mechanism
@@ -57,16 +58,18 @@ def export_c(
 def gathered(mechanism: Mechanism, output: Output, prefix: str) -> Export:
     """The functions, traced, and what the NumPy reference makes of some inputs."""
     every = routines(mechanism, output)
-    bodies = tuple(coded(routine) for routine in every)
+    graphs = tuple(traced(routine) for routine in every)
+    pairs = tuple(zip(every, graphs, strict=True))
+    bodies = tuple(body(graph, routine.inputs, OPTIONAL) for routine, graph in pairs)
     with waiting("computing the cases of the self-test"):
-        compared = tuple(cases(mechanism, routine) for routine in every)
+        compared = tuple(cases(mechanism, routine, graph) for routine, graph in pairs)
     return Export(mechanism, output, every, bodies, compared, home(mechanism), prefix)
 
 
-def coded(routine: Routine) -> Body:
-    """A function's code."""
+def traced(routine: Routine) -> casadi.Function:
+    """The graph of a function, of which its code is written."""
     with waiting(f"writing the {routine.kernel.name} model as C"):
-        return body(trace(routine.kernel), routine.inputs, OPTIONAL)
+        return trace(routine.kernel)
 
 
 def robot_of(given: Model | Robot) -> Robot:

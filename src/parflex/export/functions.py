@@ -6,6 +6,7 @@ from textwrap import fill
 import numpy as np
 
 from parflex.base.array import Array
+from parflex.export.cases import Cases
 from parflex.export.code import Body
 from parflex.export.interface import Routine
 
@@ -75,17 +76,17 @@ def number_lines(row: Array, spaces: int) -> str:
     return folded(text, *2 * (" " * spaces,))
 
 
-def tested(prefix: str, routine: Routine, cases: tuple[Array, Array]) -> str:
+def tested(prefix: str, routine: Routine, cases: Cases) -> str:
     """A test of one function: its tables, and a comparison of every output in all cases."""
-    kernel, (inputs, outputs) = routine.kernel, cases
+    kernel, (inputs, outputs, tolerances) = routine.kernel, cases
     name, width, sizes = kernel.name, outputs.shape[1], list(kernel.outputs.values())
     given = [f"given + {start}" for start in starts(kernel.inputs.values())]
     taken = [f"found[k] + {start}" for start in starts(kernel.outputs.values())]
     call = folded(", ".join(given + taken), *2 * (" " * 12,))
     compared = [
         f'    failed += differs("{name}: {array}", found[0] + {at}, {name}_outputs[0] + {at}, '
-        f"{width}, {size});"
-        for array, at, size in zip(routine.outputs, starts(sizes), sizes, strict=True)
+        f"{width}, {size}, {tolerance:.1e});"
+        for array, at, size, tolerance in zip(routine.outputs, starts(sizes), sizes, tolerances, strict=True)
         if size
     ]
     tables = matrix(f"{name}_inputs", inputs) + matrix(f"{name}_outputs", outputs)

@@ -13,6 +13,7 @@ from parflex.analysis.health import OFF, SINGULAR
 from parflex.base.array import Array
 from parflex.base.version import __version__
 from parflex.export import tables
+from parflex.export.cases import Cases
 from parflex.export.code import Body
 from parflex.export.functions import comment, definition, folded, macros, number_lines, prototype, tested
 from parflex.export.interface import Routine, tips
@@ -32,7 +33,7 @@ class Export(NamedTuple):
     output: Output
     routines: tuple[Routine, ...]
     bodies: tuple[Body, ...]
-    cases: tuple[tuple[Array, Array], ...]
+    cases: tuple[Cases, ...]
     home: Array
     prefix: str
 
