@@ -84,6 +84,10 @@ def test_computed_torque_begins_where_the_base_is(parflex, folder):
     [
         ("t [s], x\n0, 0\n", "plan.toml:10: base.file: floor.csv:1: column x has no unit"),
         ("t [s], x [mm]\n0, 0\n", "plan.toml:10: base.file: .*BaseSamples have 1 sample; give 6 or more"),
+        (
+            "t [s], x [mm]\n" + "".join(f"{k / 10}, {int(k > 5)}\n" for k in range(20)),
+            "plan.toml:10: base.file: .*floor.csv: BaseSamples.position jumps at t = 0.6 s: x goes from 0 to",
+        ),
         (None, "plan.toml:10: base.file: .*floor.csv: there is no such file"),
     ],
 )

@@ -1,5 +1,6 @@
 """Robot files with links that bend and tips that are flexures: there and back, by hand, and complaints."""
 
+import re
 import tomllib
 from dataclasses import replace
 from math import radians
@@ -432,3 +433,21 @@ def test_soft_tips_are_written_and_read_to_the_bit(tmp_path):
 def test_half_a_soft_tip_is_none(tmp_path, entry, words):
     with pytest.raises(pf.InputError, match=words):
         loaded(tmp_path, GOOD.replace("flexure = { bending", f"flexure = {{ {entry}, bending"))
+
+
+@pytest.mark.parametrize(
+    ("entry", "words"),
+    [
+        ("translation = [[1, 2, 0], [0, 1, 0], [0, 0, 1]]", "translation differs from its transpose by 2"),
+        ("translation = [[-1, 0, 0], [0, 1, 0], [0, 0, 1]]", "translation has the principal value -1"),
+        ("translation = [[nan, 0, 0], [0, 1, 0], [0, 0, 1]]", r"translation\[0\]\[0\] is nan; expected a"),
+        ("translation = [[1, 0], [0, 1]]", r"translation\[0\] has 2 entries; give at least 3"),
+        ('translation = "47 N/um"', 'translation is "47 N/um"; expected a list in brackets'),
+        ('axial = "47 N m/rad", shear = 0.0', "axial is .* not a stiffness; expected a stiffness in N/m"),
+        ('axial = "-47 N/um", shear = 0.0', "axial is .*; it cannot be negative"),
+    ],
+)
+def test_what_a_soft_tip_cannot_be_is_told_with_its_line(tmp_path, entry, words):
+    with pytest.raises(pf.InputError, match=words) as told:
+        loaded(tmp_path, GOOD.replace("flexure = { bending", f"flexure = {{ {entry}, bending"))
+    assert all(re.match(r".*\.toml:\d+: ", line) for line in str(told.value).splitlines())

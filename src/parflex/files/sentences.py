@@ -12,6 +12,11 @@ Schema = dict[str, Any]
 
 
 TABLE = re.compile(r"a (valid )?dictionary( or instance of \w+)?")
+OURS = {
+    "a valid integer": "a whole number",
+    "a valid list": "a list in brackets",
+    "a valid string": "a text",
+}
 MOST_UNKNOWN = 100  # keys that are looked at for misspelt names
 
 
@@ -59,9 +64,9 @@ def words_of(found: Mapping[str, Any], document: Any, schema: Schema) -> str:
     if kind in ("too_short", "too_long"):
         wanted = f"at least {context['min_length']}" if kind == "too_short" else f"{context['max_length']}"
         return f"{field} has {context['actual_length']} entries; give {wanted}"
-    words = (
-        str(found["msg"]).replace("Input should be", "expected").replace("a valid integer", "a whole number")
-    )
+    words = str(found["msg"]).replace("Input should be", "expected")
+    for theirs, ours in OURS.items():
+        words = words.replace(theirs, ours)
     return f"{field} is {shown(value)}; {TABLE.sub('a table', words)}"
 
 

@@ -47,13 +47,14 @@ def check_drive(joint: Any) -> None:
         return
     if not joint.mu:
         raise InputError(
-            f"Joint.drive_stiffness is {joint.drive_stiffness} on a joint that no motor drives; set mu = 1, "
-            f"or give a passive joint its spring as k"
+            f"Joint.drive_stiffness is {joint.drive_stiffness} on a joint that no motor drives; set mu = 1 "
+            f"(in files actuated = true), or give a passive joint its spring as k (in files stiffness)"
         )
     if not joint.IA > 0:
         raise InputError(
             f"Joint.drive_stiffness is {joint.drive_stiffness} and IA is {joint.IA}; the motor behind "
-            f"it needs IA, the rotor's inertia as seen at the joint: give it, or a sprung joint of its own"
+            f"it needs IA, the rotor's inertia as seen at the joint (in files rotor_inertia): give it, or a "
+            f"sprung joint of its own"
         )
 
 
