@@ -51,8 +51,8 @@ def cases(mechanism: Mechanism, routine: Routine, graph: casadi.Function) -> Cas
 def tolerances(
     graph: casadi.Function, inputs: Mapping[str, Array], outputs: Mapping[str, Array]
 ) -> tuple[float, ...]:
-    """How far each output may be off: SAME, or more where the order of operations makes more of it, as of the
-    force of a stiff soft tip, which is a small difference of places.
+    """The differences that each output may have: SAME, or more where the order of operations makes it,
+    as of the force of a stiff soft tip, which is a small difference of places.
 
     Raises InputError where the graph differs from the reference by more than round-off.
     """
