@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 import parflex as pf
 from parflex.simulation.summary import balance
 
-BALANCED = 1e-9  # of the largest change of an energy; 3e-10 is reached
+BALANCED = 1e-9  # of the largest change of an energy; 2e-10 is reached
 ENTRIES = {entry.name: entry for entry in pf.robots.ALL_ROBOTS}
 SMALL = {"nano-hexapod": 5e-3}  # of the motions of the others; by 1e-3 round-off of 1e-17 m · 700 N shows
 T = np.linspace(0, 4e-3, 5)
