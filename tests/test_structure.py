@@ -14,7 +14,7 @@ import pytest
 import parflex as pf
 
 STOREYS = (
-    *("base", "robot", "mechanics", "kernels", "compiled", "analysis", "model"),
+    *("base", "robot", "mechanics", "kernels", "compiled", "analysis", "linear", "model"),
     *("fe", "robots", "files", "simulation", "export", "views", "app"),
 )
 NUMPY_ALONE = STOREYS[: STOREYS.index("kernels") + 1]

@@ -28,6 +28,19 @@ if TYPE_CHECKING:
     )
     from parflex.export.export import export_c as export_c
     from parflex.files.robot_file import load_robot as load_robot
+    from parflex.linear.inputs import (
+        Actuators as Actuators,
+        NodeWrench as NodeWrench,
+        Reference as Reference,
+    )
+    from parflex.linear.outputs import (
+        Accelerometer as Accelerometer,
+        FramePose as FramePose,
+        JointMotion as JointMotion,
+        NodeMotion as NodeMotion,
+        StrutForce as StrutForce,
+    )
+    from parflex.linear.system import LinearModel as LinearModel
     from parflex.mechanics.cartesian import Cartesian as Cartesian
     from parflex.mechanics.energy import Energies as Energies
     from parflex.mechanics.ordering import Joints as Joints
@@ -87,6 +100,9 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
+    "linear.inputs": "Actuators NodeWrench Reference",
+    "linear.outputs": "Accelerometer FramePose JointMotion NodeMotion StrutForce",
+    "linear.system": "LinearModel",
     "mechanics.cartesian": "Cartesian",
     "mechanics.energy": "Energies",
     "mechanics.ordering": "Joints",

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from copy import copy
 from functools import partial
+from typing import Any
 
 from numpy.typing import ArrayLike
 
@@ -10,6 +11,11 @@ from parflex.analysis import forward, health, mobility, zero_dynamics
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together
 from parflex.kernels import models as kernels
+from parflex.linear.inputs import Actuators
+from parflex.linear.outputs import FramePose
+from parflex.linear.signal import Input
+from parflex.linear.signal import Output as Seen
+from parflex.linear.system import LinearModel
 from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
 from parflex.mechanics.ordering import Joints, by_attachment, by_leg
@@ -21,6 +27,7 @@ from parflex.model.core import joints_at, legs_moved, made
 from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
 from parflex.model.inputs import Floor, Values, Wrenches
+from parflex.model.linearising import linearise
 from parflex.model.renamed import renamed
 from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
 from parflex.robot.robot import Robot
@@ -284,6 +291,31 @@ class Model:
         """
         asked = position, rotation, forces, guess, wrenches, parameters
         return carried_equilibrium(self._core, base, *asked)
+
+    def linearise(
+        self,
+        state: State,
+        forces: ArrayLike,
+        *,
+        inputs: Sequence[Input] = (Actuators(),),
+        outputs: Sequence[Seen] = (FramePose(),),
+        wrenches: Wrenches = (),
+        friction: str = "viscous",
+        controller: Any = None,
+        parameters: Values = None,
+    ) -> LinearModel:
+        """The small motions about an equilibrium as a linear system in minimal coordinates, exact, with what
+        preload and gravity do to the stiffness.
+
+        state and forces (m,) are those of `equilibrium`. Coulomb friction is left out ("viscous"), smoothed as
+        it is ("smoothed"), or holds its joints ("stuck"). A controller with gains kp, kd and ki closes the
+        loop of the actuated joints, its force added to the inputs'.
+
+        Raises InputError where the state moves or is no equilibrium, for a signal that the robot does not
+        have, a controller without gains, a motion without inertia, and batches.
+        """
+        given = (inputs, outputs, wrenches, friction, controller, parameters)
+        return linearise(self._core, state, forces, *given)
 
     legs = renamed("legs", joints)
     pose = renamed("pose", forward)

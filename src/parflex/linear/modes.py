@@ -1,0 +1,104 @@
+"""The modes of a linear system: frequencies, damping, shapes, and where their energy is."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from parflex.analysis.statics import firmness, link_stiffness
+from parflex.base.array import Array
+from parflex.linear.point import Point
+
+if TYPE_CHECKING:
+    from parflex.linear.system import LinearModel
+
+HELD = 1e-6  # of the energies of the parts: the sum of a motion that springs hold
+PARTS = ("platform", "legs", "drives", "other")
+
+
+def modes_of(lin: "LinearModel") -> Any:
+    """The modes as a Dataset, the lowest first: of each pair of conjugate poles one, and each real pole.
+
+    frequency (mode) Hz is |λ| / 2π, damping −Re λ / |λ|, growth Re λ 1/s; pole_real and pole_imag (mode) 1/s
+    are λ; share (mode, part) of the energy of deformation in the platform, the links of legs, the springs of
+    actuated joints and their drives, and all else (flexures, other springs, gravity); shape and shape_imag
+    (mode, coordinate) displace Σp in Σp, the platform's modes and all coordinates of the legs, scaled to a
+    largest displacement of one metre or one radian of Σp, with its largest entry real.
+    """
+    import xarray as xr
+
+    d, point = lin.point.T.shape[1], lin.point
+    values, vectors = np.linalg.eig(lin.A)
+    upper = np.flatnonzero(values.imag >= 0)
+    order = upper[np.lexsort((values[upper].imag, np.abs(values[upper])))]
+    values, zeta = values[order], vectors[:d, order].T
+    shapes = turned_real(zeta @ point.T.T)
+    size = np.abs(values)
+    share = shares(point, zeta)
+    words = {
+        "frequency": (("mode",), size / (2 * np.pi), "Hz", "undamped frequency, |pole| / 2π"),
+        "damping": (("mode",), -values.real / np.where(size > 0, size, 1.0), "1", "damping ratio"),
+        "growth": (("mode",), values.real, "1/s", "real part of the pole"),
+        "pole_real": (("mode",), values.real, "1/s", "real part of the pole"),
+        "pole_imag": (("mode",), values.imag, "1/s", "imaginary part of the pole"),
+        "share": (("mode", "part"), share, "1", "share of the energy of deformation"),
+        "shape": (("mode", "coordinate"), shapes.real, "m, rad", "displacements, real part"),
+        "shape_imag": (("mode", "coordinate"), shapes.imag, "m, rad", "displacements, imaginary part"),
+    }
+    data = {
+        name: (dims, values, {"units": units, "long_name": text})
+        for name, (dims, values, units, text) in words.items()
+    }
+    coords = {
+        "mode": np.arange(1, len(order) + 1),
+        "part": list(PARTS),
+        "coordinate": list(coordinate_names(point)),
+    }
+    return xr.Dataset(data, coords)
+
+
+def turned_real(shapes: Array) -> Array:
+    """Shapes (n, c) whose largest displacement of Σp is one and real, or largest entry if it rests."""
+    pose = np.abs(shapes[:, :6])
+    rest = np.abs(shapes)
+    stands = np.max(pose, axis=1) < 1e-9 * np.max(rest, axis=1)
+    which = np.where(stands, np.argmax(rest, axis=1), np.argmax(pose, axis=1))
+    largest = np.take_along_axis(shapes, which[:, None], axis=1)
+    found: Array = shapes / np.where(largest == 0, 1.0, largest)
+    return found
+
+
+def shares(point: Point, zeta: Array) -> Array:
+    """(n, parts) of the energy of deformation of motions ζ (n, d), complex, in each part; NaN of motions that
+    nothing holds."""
+    total = np.sum(zeta.conj() * (zeta @ -point.K.T), axis=1).real
+    moved = np.abs(zeta @ point.T.T) ** 2
+    first = 6 + point.mechanism.platform.modes
+    stiff = firmness(point.mechanism)
+    platform, links = (moved[:, part] @ stiff[part] for part in (slice(0, first), slice(first, None)))
+    drives = moved @ drive_stiffness(point)
+    parts = np.stack([platform, links, drives, total - platform - links - drives], axis=1)
+    held = total > HELD * np.sum(np.abs(parts), axis=1)
+    found: Array = np.where(held[:, None], parts, np.nan) / np.where(held, total, 1.0)[:, None]
+    return found
+
+
+def drive_stiffness(point: Point) -> Array:
+    """(6 + N + z,), the stiffness of the springs of actuated joints, zero for other coordinates."""
+    found = [np.zeros(6 + point.mechanism.platform.modes)]
+    for group in point.mechanism.groups:
+        k = np.zeros(link_stiffness(group).shape)
+        which = list(group.actuated)
+        k[:, which] = group.chain.k[:, which]
+        found.append(k.reshape(-1))
+    return np.concatenate(found)
+
+
+def coordinate_names(point: Point) -> list[str]:
+    """The names of the rows of shapes."""
+    names = ["x", "y", "z", "rx", "ry", "rz"]
+    names += [f"mode {k}" for k in range(1, point.mechanism.platform.modes + 1)]
+    for number in point.mechanism.legs:
+        leg = point.mechanism.robot.legs[number]
+        names += [f"leg {number + 1} joint {j}" for j in range(1, len(leg.joints) + 1)]
+        names += [f"leg {number + 1} bend {e}" for e in range(1, leg.size - len(leg.joints) + 1)]
+    return names

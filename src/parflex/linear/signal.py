@@ -1,0 +1,91 @@
+"""Inputs and outputs of a linear system."""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from parflex.base.array import Array
+from parflex.linear.point import Point
+from parflex.robot.robot import Robot
+
+AXES = ("x", "y", "z", "rx", "ry", "rz")
+
+
+class Push(NamedTuple):
+    """The effect of r inputs u and their rates: ζ̈ = … + B u + B_t u̇, and forces along the actuated joints."""
+
+    by_value: Array  # B (d, r)
+    by_rate: Array  # B_t (d, r)
+    forces: Array  # (m, r), by u
+    forces_by_rate: Array  # (m, r), by u̇
+
+
+class Rows(NamedTuple):
+    """The rows of o outputs: y = P ζ + R ζ̇ + Q ζ̈ + G Γ."""
+
+    place: Array  # (o, d)
+    rate: Array  # (o, d)
+    acceleration: Array  # (o, d)
+    forces: Array  # (o, m)
+
+
+@dataclass(frozen=True)
+class Signal(ABC):
+    """A group of inputs or outputs, with a label and a unit for each."""
+
+    @abstractmethod
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        """The labels, such as "force[0]" or "node[12]_z"."""
+
+    @abstractmethod
+    def units(self, robot: Robot) -> tuple[str, ...]:
+        """The units of the entries."""
+
+    def check(self, robot: Robot) -> None:
+        """Nothing where the robot has it; raises InputError where it lacks it."""
+        return
+
+
+class Input(Signal):
+    """Inputs that push a robot."""
+
+    @abstractmethod
+    def push(self, point: Point) -> Push:
+        """Their effect about an equilibrium."""
+
+
+class Output(Signal):
+    """Outputs that are seen of a robot."""
+
+    @abstractmethod
+    def rows(self, point: Point) -> Rows:
+        """Their rows about an equilibrium."""
+
+
+def along_joints(point: Point, forces: Array, by_rate: Array | None = None) -> Push:
+    """The push of forces (m, r) along the actuated joints, by inputs and by their rates."""
+    by_rate = 0.0 * forces if by_rate is None else by_rate
+    return Push(point.pushed(forces=forces), point.pushed(forces=by_rate), forces, by_rate)
+
+
+def on_platform(point: Point, load: Array) -> Push:
+    """The push of loads (6 + N, r) on the platform."""
+    found, none = point.pushed(load=load), np.zeros((len(point.forces), load.shape[1]))
+    return Push(found, 0.0 * found, none, none)
+
+
+def row_parts(
+    point: Point,
+    place: Array | None = None,
+    rate: Array | None = None,
+    acceleration: Array | None = None,
+    forces: Array | None = None,
+) -> Rows:
+    """Rows of which some parts are given, and others zero."""
+    parts = (place, rate, acceleration, forces)
+    count = next(len(part) for part in parts if part is not None)
+    widths = [point.T.shape[1]] * 3 + [len(point.forces)]
+    found = (np.zeros((count, n)) if part is None else part for part, n in zip(parts, widths, strict=True))
+    return Rows(*found)

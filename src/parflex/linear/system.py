@@ -1,0 +1,164 @@
+"""The linear system of a robot about an equilibrium."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.linear.closed import Feedback
+from parflex.linear.modes import modes_of
+from parflex.linear.point import Point
+from parflex.linear.response import response
+from parflex.linear.signal import Input, Output, Push, Rows
+from parflex.robot.words import counted
+
+
+@dataclass(frozen=True, eq=False)
+class LinearModel:
+    """ẋ = A x + B u, y = C x + D u: small motions of a robot about an equilibrium, in minimal coordinates.
+
+    A (2d, 2d), B (2d, r), C (o, 2d) and D (o, r); `inputs` and `outputs` are the labels of u and y, whose
+    units are `input_units` and `output_units`. x are d coordinates of unit mass and their rates; of inputs
+    that act by their rate, too, it holds the rates less that part. With a controller that integrates, its
+    integrals stand behind them.
+
+    Source: Khalil and Dombre for the equations that are differentiated; the derivatives are exact.
+    """
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+    by_acceleration: Array = field(repr=False)  # (o, d), what outputs see of accelerations
+    point: Point = field(repr=False)
+    feedback: Feedback | None = field(default=None, repr=False)
+
+    def __repr__(self) -> str:
+        return (
+            f"LinearModel: {counted(len(self.A), 'state')}, {counted(len(self.inputs), 'input')} and "
+            f"{counted(len(self.outputs), 'output')}, of {counted(self.point.T.shape[1], 'freedom')}"
+        )
+
+    @cached_property
+    def poles(self) -> Array:
+        """(2d,) the eigenvalues of A, 1/s, in the order of their size."""
+        found = np.linalg.eigvals(self.A)
+        order: Array = found[np.lexsort((found.imag, np.abs(found)))]
+        return order
+
+    def modes(self) -> Any:
+        """The modes as a Dataset; see `modes.modes_of`."""
+        return modes_of(self)
+
+    def frf(self, omega: ArrayLike, structural: float = 0.0) -> Any:
+        """Frequency responses as a DataArray (output, input, omega), complex, at omega (w,) rad/s.
+
+        structural is a loss factor η: all stiffness about the equilibrium becomes K (1 + i η).
+
+        Raises InputError for frequencies that are negative or not finite, or a negative loss factor.
+        """
+        return response(self, omega, structural)
+
+    def to_control(self, omega: ArrayLike | None = None) -> Any:
+        """The system as python-control has it: a StateSpace, or with omega (w,) rad/s an FRD; with labels.
+
+        Raises InputError where python-control is missing: `pip install parflex[control]`.
+        """
+        from parflex.linear.handed_on import to_control
+
+        return to_control(self, omega)
+
+    def to_matlab(self, path: str | PathLike[str]) -> Path:
+        """Write A, B, C, D and the labels to a MATLAB file: `load`, then `ss(A, B, C, D)`.
+
+        Raises InputError where the file cannot be written.
+        """
+        from parflex.linear.handed_on import to_matlab
+
+        return to_matlab(self, path)
+
+
+def linear_model(
+    point: Point, inputs: Sequence[Input], outputs: Sequence[Output], feedback: Feedback | None
+) -> LinearModel:
+    """The system with these inputs and outputs about a point.
+
+    Raises InputError for a signal that the robot does not have or that stands twice, and for outputs that
+    jump with the rate of an input.
+    """
+    robot = point.mechanism.robot
+    names = []
+    for signals, what in ((inputs, "inputs"), (outputs, "outputs")):
+        for signal in signals:
+            signal.check(robot)
+        labels = [label for signal in signals for label in signal.labels(robot)]
+        if len(set(labels)) < len(labels):
+            twice = next(label for label in labels if labels.count(label) > 1)
+            raise InputError(f"{what} name {twice} twice; name each once")
+        names.append((tuple(labels), tuple(unit for signal in signals for unit in signal.units(robot))))
+    d, m = point.T.shape[1], len(point.forces)
+    pushes = Push(*side_by_side([signal.push(point) for signal in inputs], [d, d, m, m], axis=1))
+    rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], [d, d, d, m], axis=0))
+    found = state_space(point, pushes, rows, feedback)
+    (of_inputs, input_units), (of_outputs, output_units) = names
+    words = (of_inputs, of_outputs, input_units, output_units)
+    return LinearModel(*found, *words, rows.acceleration, point, feedback)
+
+
+def side_by_side(parts: Sequence[tuple[Array, ...]], lengths: Sequence[int], axis: int) -> list[Array]:
+    """The parts of all signals along an axis, whose other axis has these lengths."""
+    empty = [np.zeros((n, 0)) if axis else np.zeros((0, n)) for n in lengths]
+    return [np.concatenate(each, axis=axis) for each in zip(empty, *parts, strict=True)]
+
+
+def state_space(
+    point: Point, pushes: Push, rows: Rows, feedback: Feedback | None
+) -> tuple[Array, Array, Array, Array]:
+    """A, B, C and D with x = (ζ, ζ̇ − B_t u[, ∫ q dt])."""
+    K, C, d = point.K, point.C, point.T.shape[1]
+    one, none = np.eye(d), np.zeros((d, d))
+    B, B_t = pushes.by_value, pushes.by_rate
+    integrals = np.zeros((0, d))
+    if feedback is not None:
+        K, C, integrals = K + feedback.K, C + feedback.C, feedback.integrals
+    A = np.block([[none, one], [K, C]])
+    into = np.concatenate([B_t, B + C @ B_t])
+    by_place, by_rate, forces = rows.place, rows.rate, rows.forces
+    jumps = rows.acceleration @ B_t + forces @ pushes.forces_by_rate
+    if np.max(np.abs(jumps), initial=0.0) > 0:
+        raise InputError(
+            "an output jumps with the rate of a reference, whose spring has a damper beside it; observe "
+            "displacements or velocities, or leave the damper out"
+        )
+    by_place, by_rate = by_place + rows.acceleration @ K, by_rate + rows.acceleration @ C
+    if feedback is not None:
+        by_place = by_place + forces @ feedback.forces_by_place
+        by_rate = by_rate + forces @ feedback.forces_by_rate
+    through = by_rate @ B_t + rows.acceleration @ B + forces @ pushes.forces
+    out = np.concatenate([by_place, by_rate], axis=1)
+    if len(integrals):
+        A, into, out = feedback_states(A, into, out, rows, feedback)
+    return A, into, out, through
+
+
+def feedback_states(
+    A: Array, into: Array, out: Array, rows: Rows, feedback: Feedback | None
+) -> tuple[Array, Array, Array]:
+    """A, B and C with the integrals of the joints as more states."""
+    assert feedback is not None, "only feedback has integrals"
+    d, i = feedback.integrals.shape[1], len(feedback.integrals)
+    back = np.concatenate([np.zeros((d, i)), feedback.by_integrals])
+    A = np.block([[A, back], [feedback.integrals, np.zeros((i, d + i))]])
+    seen = rows.acceleration @ feedback.by_integrals + rows.forces @ feedback.forces_by_integrals
+    return A, np.concatenate([into, np.zeros((i, into.shape[1]))]), np.concatenate([out, seen], axis=1)

@@ -1,0 +1,45 @@
+"""The linear system of a robot, asked for by state, forces, inputs and outputs."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from parflex.analysis import health
+from parflex.base.check import all_of_type
+from parflex.base.errors import InputError
+from parflex.linear.closed import feedback_of
+from parflex.linear.point import point_at
+from parflex.linear.signal import Input, Output
+from parflex.linear.system import LinearModel, linear_model
+from parflex.model import inputs as checked
+from parflex.model.core import Core
+from parflex.model.inputs import Values, Wrenches
+from parflex.robot.state import State
+
+
+def linearise(
+    core: Core,
+    state: State,
+    forces: ArrayLike,
+    inputs: Sequence[Input],
+    outputs: Sequence[Output],
+    wrenches: Wrenches,
+    friction: str,
+    controller: Any,
+    parameters: Values,
+) -> LinearModel:
+    """The system; see `Model.linearise`."""
+    if parameters is not None:
+        core = core.at(checked.single_values(checked.theta(core, parameters)))
+    all_of_type("inputs", inputs, Input)
+    all_of_type("outputs", outputs, Output)
+    x = health.single("state", core.flat(state))
+    core.system(state)
+    given = checked.forces(core, forces)
+    if given.ndim > 1:
+        raise InputError(f"forces are a batch {given.shape[:-1]}; linearise takes single ones")
+    checked.load(core, state, wrenches)
+    point = point_at(core.readable.solvable, x, given, wrenches, friction)
+    feedback = None if controller is None else feedback_of(point, controller)
+    return linear_model(point, inputs, outputs, feedback)
