@@ -28,11 +28,16 @@ if TYPE_CHECKING:
     )
     from parflex.export.export import export_c as export_c
     from parflex.files.robot_file import load_robot as load_robot
+    from parflex.linear.figures import (
+        compliance as compliance,
+        dynamic_stiffness as dynamic_stiffness,
+    )
     from parflex.linear.inputs import (
         Actuators as Actuators,
         NodeWrench as NodeWrench,
         Reference as Reference,
     )
+    from parflex.linear.lobes import stability_lobes as stability_lobes
     from parflex.linear.outputs import (
         Accelerometer as Accelerometer,
         FramePose as FramePose,
@@ -100,7 +105,9 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
+    "linear.figures": "compliance dynamic_stiffness",
     "linear.inputs": "Actuators NodeWrench Reference",
+    "linear.lobes": "stability_lobes",
     "linear.outputs": "Accelerometer FramePose JointMotion NodeMotion StrutForce",
     "linear.system": "LinearModel",
     "mechanics.cartesian": "Cartesian",

@@ -1,0 +1,48 @@
+"""Figures of merit of a point of the platform: how much it gives, and how stiff it is."""
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from parflex.linear.inputs import NodeWrench
+from parflex.linear.outputs import NodeMotion
+from parflex.linear.system import LinearModel, linear_model
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Offset = tuple[float, float, float]
+OfFrequency = Callable[..., "xr.DataArray"]
+
+
+def compliance(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) -> OfFrequency:
+    """The compliance of a node, or of a point fixed to it at `offset` (3,) m in Σp: a function of omega (w,).
+
+    omega is in rad/s; the function gives a DataArray (output 6, input 6, omega), complex, m/N, rad/N, m/(N m)
+    and rad/(N m), in the axes of the world, and takes `structural=` as `LinearModel.frf` does. It does not
+    matter which inputs and outputs `lin` has; its controller counts. At omega = 0 it is the static one.
+
+    Raises InputError for a node that there is not.
+    """
+    inputs, outputs = (NodeWrench(node, offset),), (NodeMotion(node, offset),)
+    return linear_model(lin.point, inputs, outputs, lin.feedback).frf
+
+
+def dynamic_stiffness(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) -> OfFrequency:
+    """The dynamic stiffness of a point, the inverse of its `compliance` (6, 6), likewise a function of omega:
+    N/m, N/rad, N m/m and N m/rad, wrench by displacement.
+
+    Raises InputError for a node that there is not.
+    """
+    given = compliance(lin, node, offset)
+
+    def stiffness(omega: ArrayLike, structural: float = 0.0) -> Any:
+        found = given(omega, structural)
+        inverse = np.moveaxis(np.linalg.inv(np.moveaxis(found.values, -1, 0)), 0, -1)
+        coords = {"output": found.input.values, "input": found.output.values}
+        coords |= {name: found.coords[name] for name in ("omega", "frequency")}
+        return type(found)(inverse, coords, ("output", "input", "omega"), "dynamic_stiffness")
+
+    return stiffness
