@@ -144,6 +144,14 @@ def test_a_servo_closes_the_loop():
     assert np.allclose(found, wanted, rtol=1e-7, atol=1e-6)
 
 
+def test_locked_motors():
+    """The poles against those of `small_motions`, which locks with forces instead of leaving motions out."""
+    model, state, forces = at_rest(pf.robots.delta(modes=4))
+    lin = model.linearise(state, forces, controller="locked")
+    wanted = core_of(model).at_home.locked_poles()
+    assert np.allclose(np.sort_complex(lin.poles), wanted, rtol=1e-7, atol=1e-6)
+
+
 def rubbing():
     robot, _ = cubic(1e-2, 1e6, 0.4, 10.0, (0.1, 0.1, 0.2))
     first = robot.legs[0]

@@ -29,9 +29,10 @@ def feedback_of(point: Point, controller: Any) -> Feedback:
     """
     m = len(point.forces)
     if not all(hasattr(controller, name) for name in ("kp", "kd")):
+        named = repr(controller) if isinstance(controller, str) else type(controller).__name__
         raise InputError(
-            f"controller is {type(controller).__name__}, which has no gains kp and kd of the actuated "
-            f"joints; give a JointPD or a Servo"
+            f"controller is {named}, which has no gains kp and kd of the actuated joints; give a JointPD, a "
+            f'Servo, or "locked" for motors that stand still'
         )
     kp, kd, ki = (np.asarray(getattr(controller, name, 0.0)) + np.zeros(m) for name in ("kp", "kd", "ki"))
     S, B = actuated_rows(point.mechanism) @ point.T, point.pushed(forces=np.eye(m))

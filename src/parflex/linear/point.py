@@ -12,6 +12,7 @@ from parflex.analysis.small_motions import allowed
 from parflex.analysis.statics import held_load, mass, statics, stiffness
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.mechanics.closure import actuated_rows
 from parflex.mechanics.derivatives.changes import Load
 from parflex.mechanics.derivatives.sensitivity import Sensitivity, direct_sensitivity
 from parflex.mechanics.mechanism import Mechanism
@@ -82,22 +83,31 @@ class Point:
 
 
 def point_at(
-    mechanism: Mechanism, x: Array, forces: Array, wrenches: Sequence[Wrench], friction: str
+    mechanism: Mechanism,
+    x: Array,
+    forces: Array,
+    wrenches: Sequence[Wrench],
+    friction: str,
+    locked: bool = False,
 ) -> Point:
-    """The point at a flat state; raises InputError where it is no equilibrium, or a motion has no inertia."""
+    """The point at a flat state, with actuated joints that are free, or locked.
+
+    Raises InputError where it is no equilibrium, or a motion has no inertia.
+    """
     if friction not in FRICTION:
         raise InputError(f"friction is {friction!r}; choose one of {', '.join(FRICTION)}")
     check_rest(mechanism, x)
     load = held_load(mechanism, wrenches)
     check_balance(mechanism, x, forces, load)
-    stuck = stuck_rows(mechanism) if friction == "stuck" else None
+    held_rows = [stuck_rows(mechanism)] if friction == "stuck" else []
+    held_rows += [actuated_rows(mechanism)] if locked else []
     if friction != "smoothed":
         mechanism = without_coulomb(mechanism)
     system, T = assembled(mechanism, x), allowed(mechanism, x)
     first = 6 + mechanism.platform.modes
     seen = np.concatenate([T[:first], T[first:][mechanism.kept]])
     inertia = T.T @ mass(system) @ T
-    free = np.eye(T.shape[1]) if stuck is None else null_space(unit_rows(stuck @ T))
+    free = null_space(unit_rows(np.concatenate(held_rows) @ T)) if held_rows else np.eye(T.shape[1])
     held = free.T @ inertia @ free
     check_inertia(held)
     root = np.linalg.cholesky(held)

@@ -17,6 +17,8 @@ from parflex.model.core import Core
 from parflex.model.inputs import Values, Wrenches
 from parflex.robot.state import State
 
+LOCKED = "locked"
+
 
 def linearise(
     core: Core,
@@ -40,6 +42,7 @@ def linearise(
     if given.ndim > 1:
         raise InputError(f"forces are a batch {given.shape[:-1]}; linearise takes single ones")
     checked.load(core, state, wrenches)
-    point = point_at(core.readable.solvable, x, given, wrenches, friction)
-    feedback = None if controller is None else feedback_of(point, controller)
+    locked = isinstance(controller, str) and controller == LOCKED
+    point = point_at(core.readable.solvable, x, given, wrenches, friction, locked)
+    feedback = None if controller is None or locked else feedback_of(point, controller)
     return linear_model(point, inputs, outputs, feedback)

@@ -307,9 +307,9 @@ class Model:
         """The small motions about an equilibrium as a linear system in minimal coordinates, exact, with what
         preload and gravity do to the stiffness.
 
-        state and forces (m,) are those of `equilibrium`. Coulomb friction is left out ("viscous"), smoothed as
-        it is ("smoothed"), or holds its joints ("stuck"). A controller with gains kp, kd and ki closes the
-        loop of the actuated joints, its force added to the inputs'.
+        state and forces (m,) are those of `equilibrium`. Coulomb friction is left out ("viscous"), smoothed
+        as it is ("smoothed"), or holds its joints ("stuck"). A controller with gains kp, kd and ki closes the
+        loop of the actuated joints, its force added to the inputs'; "locked" holds them where they are.
 
         Raises InputError where the state moves or is no equilibrium, for a signal that the robot does not
         have, a controller without gains, a motion without inertia, and batches.
