@@ -24,6 +24,7 @@ from parflex.app.terminal import (
     console,
     step,
 )
+from parflex.app.vibrate import vibrate
 from parflex.app.viewing import report, view
 from parflex.base.errors import InputError, PartialRun
 from parflex.base.version import __version__
@@ -38,7 +39,7 @@ app = typer.Typer(
     "it moving in the browser. For a robot of your own, `parflex init`, then `parflex check` and "
     "`parflex simulate`.",
 )
-for command in (view, report, check, simulate, init, export):
+for command in (view, report, check, vibrate, simulate, init, export):
     app.command()(command)
 app.command(cls=ImportingCommand)(modes)
 

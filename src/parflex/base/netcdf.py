@@ -1,4 +1,4 @@
-"""NetCDF-4 files read whole, in work that their size bounds."""
+"""NetCDF-4 files: written whole, and read whole, in work that their size bounds."""
 
 import os
 from pathlib import Path
@@ -6,11 +6,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from parflex.base.writing import replacing
+
 if TYPE_CHECKING:
     import h5py
     import xarray as xr
 
 GROWN = 1000  # times the file's size: more than what compressed numbers hold
+
+
+def saved(dataset: "xr.Dataset", path: str | os.PathLike[str]) -> Path:
+    """Write a dataset, whole or not at all; an older file is replaced.
+
+    Raises InputError where the file cannot be written.
+    """
+    target = Path(path)
+    data = dataset.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
+    with replacing(target) as part:
+        part.write(data)
+    return target
 
 
 def loaded(path: str | os.PathLike[str]) -> "xr.Dataset":

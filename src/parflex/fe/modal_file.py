@@ -17,9 +17,8 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import of_type
 from parflex.base.errors import InputError
-from parflex.base.netcdf import loaded
+from parflex.base.netcdf import loaded, saved
 from parflex.base.version import __version__
-from parflex.base.writing import replacing
 from parflex.fe.body.basis import ComputedModes
 from parflex.fe.body.solid import Solid
 from parflex.robot.body import FlexibleBody
@@ -131,9 +130,7 @@ def save_body(body: FlexibleBody, path: Path, modes: Modes | None = None) -> Non
     }
     data = xr.Dataset(variables, attrs=attributes)
     data.attrs["checksum"] = checksum(data)
-    whole = data.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
-    with replacing(path) as part:
-        part.write(whole)
+    saved(data, path)
 
 
 def values_of_modes(modes: Modes) -> dict[str, Any]:

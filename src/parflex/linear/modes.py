@@ -19,10 +19,10 @@ def modes_of(lin: "LinearModel") -> Any:
     """The modes as a Dataset, the lowest first: of each pair of conjugate poles one, and each real pole.
 
     frequency (mode) Hz is |λ| / 2π, damping −Re λ / |λ|, growth Re λ 1/s; pole_real and pole_imag (mode) 1/s
-    are λ; share (mode, part) of the energy of deformation in the platform, the links of legs, the springs of
-    actuated joints and their drives, and all else (flexures, other springs, gravity); shape and shape_imag
-    (mode, coordinate) displace Σp in Σp, the platform's modes and all coordinates of the legs, scaled to a
-    largest displacement of one metre or one radian of Σp, with its largest entry real.
+    are λ; share (mode, part) of the energy of deformation in the platform, the links of legs, the drives
+    (springs of actuated joints, servos), and all else (flexures, other springs, gravity, which may soften);
+    shape and shape_imag (mode, coordinate) displace Σp in Σp, the platform's modes and all coordinates of the
+    legs, scaled to a largest displacement of Σp of one metre or one radian, which is real.
     """
     import xarray as xr
 
@@ -33,7 +33,7 @@ def modes_of(lin: "LinearModel") -> Any:
     values, zeta = values[order], vectors[:d, order].T
     shapes = turned_real(zeta @ point.T.T)
     size = np.abs(values)
-    share = shares(point, zeta)
+    share = shares(point, zeta, np.zeros((d, d)) if lin.feedback is None else lin.feedback.K)
     words = {
         "frequency": (("mode",), size / (2 * np.pi), "Hz", "undamped frequency, |pole| / 2π"),
         "damping": (("mode",), -values.real / np.where(size > 0, size, 1.0), "1", "damping ratio"),
@@ -67,15 +67,15 @@ def turned_real(shapes: Array) -> Array:
     return found
 
 
-def shares(point: Point, zeta: Array) -> Array:
+def shares(point: Point, zeta: Array, feedback: Array) -> Array:
     """(n, parts) of the energy of deformation of motions ζ (n, d), complex, in each part; NaN of motions that
-    nothing holds."""
-    total = np.sum(zeta.conj() * (zeta @ -point.K.T), axis=1).real
+    nothing holds. The feedback (d, d) 1/s² is a drive."""
+    servos, total = (np.sum(zeta.conj() * (zeta @ -K.T), axis=1).real for K in (feedback, point.K + feedback))
     moved = np.abs(zeta @ point.T.T) ** 2
     first = 6 + point.mechanism.platform.modes
     stiff = firmness(point.mechanism)
     platform, links = (moved[:, part] @ stiff[part] for part in (slice(0, first), slice(first, None)))
-    drives = moved @ drive_stiffness(point)
+    drives = servos + moved @ drive_stiffness(point)
     parts = np.stack([platform, links, drives, total - platform - links - drives], axis=1)
     held = total > HELD * np.sum(np.abs(parts), axis=1)
     found: Array = np.where(held[:, None], parts, np.nan) / np.where(held, total, 1.0)[:, None]

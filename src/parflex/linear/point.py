@@ -145,8 +145,8 @@ def check_balance(mechanism: Mechanism, x: Array, forces: Array, load: Load) -> 
 
 def check_inertia(inertia: Array) -> None:
     """Raise InputError where a motion has no inertia, in units of metres."""
-    lowest, *_, highest = np.linalg.eigvalsh(inertia) if len(inertia) > 1 else (*inertia[0], *inertia[0])
-    if not lowest > 1e-13 * highest:
+    values = np.linalg.eigvalsh(inertia)
+    if np.any(values <= 1e-13 * np.max(values, initial=0.0)):
         raise InputError(
             "a motion that the legs allow has no inertia, so that it has no frequency; give its links mass, "
             "or their motors rotor inertia"

@@ -11,8 +11,7 @@ import xarray as xr
 
 from parflex.base.absent import absent
 from parflex.base.errors import InputError
-from parflex.base.netcdf import loaded
-from parflex.base.writing import replacing
+from parflex.base.netcdf import loaded, saved
 from parflex.robot.state import State
 
 FORMAT = "parflex-result-1"
@@ -74,11 +73,7 @@ class Result:
 
         Raises InputError where the file cannot be written.
         """
-        target = Path(path)
-        data = self.dataset.to_netcdf(engine="h5netcdf")  # in memory: HDF5 ends the process on a full disk
-        with replacing(target) as part:
-            part.write(data)
-        return target
+        return saved(self.dataset, path)
 
 
 class RunStopped(Exception):
