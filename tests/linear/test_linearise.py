@@ -7,12 +7,14 @@ import pytest
 
 import flexlegs
 import parflex as pf
+from compliant import compliant
 from parflex.analysis.small_motions import slopes
 from parflex.base.spatial import cayley
 from parflex.linear.response import responses, solved
 from parflex.mechanics.closure import displaced
 from parflex.model.core import core_of
 from published_hexapods import cubic
+from soft import softened
 
 GALLERY = [name for name in ("gough_stewart", "rus6", "pus6", "rps3", "prs3", "delta", "octapod")]
 
@@ -32,6 +34,12 @@ def robots():
     yield "flexible legs", flexlegs.robot("gs_flexlegs")
     yield "mixed legs", carried()
     yield "delta with flexible arms", flexlegs.robot("delta_flexarms_foreshortening")
+    yield "drives that give", compliant(pf.robots.gough_stewart(3), k=500.0)
+    yield "drives on bent legs", compliant(flexlegs.mixed("gs_flexlegs"), (0, 2, 3))
+    yield "soft tips", softened(flexlegs.mixed("gs_flexlegs"), ((1, 0), (5, 0)))
+    everything = compliant(softened(flexlegs.mixed("gs_flexlegs"), ((1, 0), (5, 0))), (0, 2, 5))
+    yield "drives and soft tips", everything
+    yield "nano-hexapod", pf.robots.nano_hexapod(modes=4)
     yield (
         "soft and loaded",
         replace(cubic(1e-2, 2e4, 0.4, 10.0, (0.1, 0.1, 0.2), 30.0)[0], gravity=(0, 0, -9.81)),

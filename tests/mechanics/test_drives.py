@@ -9,6 +9,7 @@ from scipy.linalg import eigvals
 
 import flexlegs
 import parflex as pf
+from compliant import compliant
 from lagrange import Lagrange, errors
 from measures import relative
 from parflex.analysis.small_motions import SmallMotions, slopes
@@ -17,18 +18,6 @@ from parflex.kernels.motion import derivative
 AGREED = 1e-10  # two solutions in 64 bits; 2e-11 is reached
 SAME = 1e-12
 NAMES = ("gough", "delta", "some", *flexlegs.NAMES)
-
-
-def compliant(robot, legs=None, **drive):
-    """The robot whose motors drive through a compliance, in all legs or some, with friction and springs."""
-    drive = {"drive_stiffness": 3e4, "drive_damping": 20.0, "k": 500.0, "q_0": 0.1, "Fv": 3.0} | drive
-    drive |= {"Fs": 2.0, "v_s": 0.1}
-    found = []
-    for i, leg in enumerate(robot.legs):
-        mine = legs is None or i in legs
-        joints = [replace(j, IA=max(j.IA, 2.0), **drive) if j.mu and mine else j for j in leg.joints]
-        found.append(replace(leg, joints=tuple(joints)))
-    return replace(robot, legs=tuple(found))
 
 
 @cache
@@ -240,6 +229,9 @@ def test_series_elastic_struts_have_twelve_frequencies():
     for K in (by_differences, motions.KC[0]):
         found = np.sqrt(np.sort(-np.linalg.eigvals(K).real))
         assert np.max(np.abs(found / expected - 1)) <= 1e-4
+    modes = model.linearise(state, forces).modes()
+    assert np.max(np.abs(2 * np.pi * modes.frequency.values / expected - 1)) <= 1e-4
+    assert np.min(modes.share.sel(part="drives")) >= 0.999  # nothing else gives, but for the weight's share
 
 
 def test_they_hold_their_weight():

@@ -9,7 +9,6 @@ from parflex.base.errors import InputError
 from parflex.linear.place import NodePlace
 from parflex.linear.point import Point
 from parflex.linear.signal import AXES, Input, Push, along_joints, on_platform
-from parflex.robot.leg import Joint
 from parflex.robot.robot import Robot
 
 
@@ -21,7 +20,7 @@ class Actuators(Input):
         return tuple(f"force[{i}]" for i in range(robot.n_forces))
 
     def units(self, robot: Robot) -> tuple[str, ...]:
-        return tuple("N" if joint.sigma else "N m" for joint in actuated(robot))
+        return tuple("N" if joint.sigma else "N m" for joint in robot.actuated)
 
     def push(self, point: Point) -> Push:
         return along_joints(point, np.eye(len(point.forces)))
@@ -39,7 +38,7 @@ class Reference(Input):
 
     def joints(self, robot: Robot) -> list[int]:
         """The numbers of the actuators whose joints have springs."""
-        return [i for i, joint in enumerate(actuated(robot)) if joint.k > 0]
+        return [i for i, joint in enumerate(robot.actuated) if joint.k > 0]
 
     def check(self, robot: Robot) -> None:
         if not self.joints(robot):
@@ -52,11 +51,11 @@ class Reference(Input):
         return tuple(f"reference[{i}]" for i in self.joints(robot))
 
     def units(self, robot: Robot) -> tuple[str, ...]:
-        joints = actuated(robot)
+        joints = robot.actuated
         return tuple("m" if joints[i].sigma else "rad" for i in self.joints(robot))
 
     def push(self, point: Point) -> Push:
-        which, joints = self.joints(point.mechanism.robot), actuated(point.mechanism.robot)
+        which, joints = self.joints(point.mechanism.robot), point.mechanism.robot.actuated
         along = np.eye(len(point.forces))[:, which]
         k, c = (np.array([getattr(joints[i], name) for i in which]) for name in ("k", "Fv"))
         return along_joints(point, along * k, along * c)
@@ -80,11 +79,6 @@ class NodeWrench(NodePlace, Input):
         R = np.asarray(point.system.x.rotation)
         world = np.kron(np.eye(2), R.T)
         return on_platform(point, self.wrench_map(point) @ world)
-
-
-def actuated(robot: Robot) -> list[Joint]:
-    """The actuated joints, in the order of the forces."""
-    return [joint for leg in robot.legs for joint in leg.joints if joint.mu]
 
 
 def axis_labels(name: str, letters: str = "") -> tuple[str, ...]:

@@ -4,9 +4,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from parflex.analysis.statics import firmness, link_stiffness
+from parflex.analysis.statics import firmness
 from parflex.base.array import Array
 from parflex.linear.point import Point
+from parflex.mechanics.closure import actuated_rows
 
 if TYPE_CHECKING:
     from parflex.linear.system import LinearModel
@@ -20,9 +21,10 @@ def modes_of(lin: "LinearModel") -> Any:
 
     frequency (mode) Hz is |λ| / 2π, damping −Re λ / |λ|, growth Re λ 1/s; pole_real and pole_imag (mode) 1/s
     are λ; share (mode, part) of the energy of deformation in the platform, the links of legs, the drives
-    (springs of actuated joints, servos), and all else (flexures, other springs, gravity, which may soften);
-    shape and shape_imag (mode, coordinate) displace Σp in Σp, the platform's modes and all coordinates of the
-    legs, scaled to a largest displacement of Σp of one metre or one radian, which is real.
+    (their compliance in series, springs beside motors, servos), and all else (flexures, other springs,
+    gravity, which may soften); shape and shape_imag (mode, coordinate) displace Σp in Σp, the platform's
+    modes and all coordinates of the legs, scaled to a largest displacement of Σp of one metre or one radian,
+    which is real.
     """
     import xarray as xr
 
@@ -71,26 +73,26 @@ def shares(point: Point, zeta: Array, feedback: Array) -> Array:
     """(n, parts) of the energy of deformation of motions ζ (n, d), complex, in each part; NaN of motions that
     nothing holds. The feedback (d, d) 1/s² is a drive."""
     servos, total = (np.sum(zeta.conj() * (zeta @ -K.T), axis=1).real for K in (feedback, point.K + feedback))
-    moved = np.abs(zeta @ point.T.T) ** 2
-    first = 6 + point.mechanism.platform.modes
-    stiff = firmness(point.mechanism)
-    platform, links = (moved[:, part] @ stiff[part] for part in (slice(0, first), slice(first, None)))
-    drives = servos + moved @ drive_stiffness(point)
+    moved = zeta @ point.T.T
+    platform, links, compliances = (
+        np.abs(moved) ** 2 @ stiff for stiff in parted(point, firmness(point.mechanism))
+    )
+    k = np.array([joint.k for joint in point.mechanism.robot.actuated])
+    drives = servos + compliances + np.abs(moved @ actuated_rows(point.mechanism).T) ** 2 @ k
     parts = np.stack([platform, links, drives, total - platform - links - drives], axis=1)
     held = total > HELD * np.sum(np.abs(parts), axis=1)
     found: Array = np.where(held[:, None], parts, np.nan) / np.where(held, total, 1.0)[:, None]
     return found
 
 
-def drive_stiffness(point: Point) -> Array:
-    """(6 + N + z,), the stiffness of the springs of actuated joints, zero for other coordinates."""
-    found = [np.zeros(6 + point.mechanism.platform.modes)]
-    for group in point.mechanism.groups:
-        k = np.zeros(link_stiffness(group).shape)
-        which = list(group.actuated)
-        k[:, which] = group.chain.k[:, which]
-        found.append(k.reshape(-1))
-    return np.concatenate(found)
+def parted(point: Point, stiff: Array) -> tuple[Array, ...]:
+    """Stiffnesses (6 + N + z,) by themselves: of the platform, of links, of drives; zero elsewhere."""
+    owners = ["platform"] * (6 + point.mechanism.platform.modes)
+    for number in point.mechanism.legs:
+        leg = point.mechanism.robot.legs[number]
+        owners += ["links"] * (leg.size - len(leg.drives)) + ["drives"] * len(leg.drives)
+    which = np.array(owners)
+    return tuple(np.where(which == owner, stiff, 0.0) for owner in ("platform", "links", "drives"))
 
 
 def coordinate_names(point: Point) -> list[str]:
@@ -100,5 +102,6 @@ def coordinate_names(point: Point) -> list[str]:
     for number in point.mechanism.legs:
         leg = point.mechanism.robot.legs[number]
         names += [f"leg {number + 1} joint {j}" for j in range(1, len(leg.joints) + 1)]
-        names += [f"leg {number + 1} bend {e}" for e in range(1, leg.size - len(leg.joints) + 1)]
+        names += [f"leg {number + 1} bend {e}" for e in range(1, sum(leg.modes) + 1)]
+        names += [f"leg {number + 1} drive {j + 1}" for j in leg.drives]
     return names

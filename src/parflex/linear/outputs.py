@@ -8,7 +8,7 @@ import numpy as np
 from parflex.base.array import skew
 from parflex.base.errors import InputError
 from parflex.base.spatial import cayley
-from parflex.linear.inputs import actuated, axis_labels, in_world
+from parflex.linear.inputs import axis_labels, in_world
 from parflex.linear.place import NodePlace
 from parflex.linear.point import Point
 from parflex.linear.signal import Output, Rows, row_parts
@@ -86,7 +86,7 @@ class JointMotion(Output):
         return tuple(f"joint[{i}]" for i in range(robot.n_forces))
 
     def units(self, robot: Robot) -> tuple[str, ...]:
-        return tuple("m" if joint.sigma else "rad" for joint in actuated(robot))
+        return tuple("m" if joint.sigma else "rad" for joint in robot.actuated)
 
     def rows(self, point: Point) -> Rows:
         return row_parts(point, place=actuated_rows(point.mechanism) @ point.T)
@@ -101,10 +101,10 @@ class StrutForce(Output):
         return tuple(f"strut[{i}]" for i in range(robot.n_forces))
 
     def units(self, robot: Robot) -> tuple[str, ...]:
-        return tuple("N" if joint.sigma else "N m" for joint in actuated(robot))
+        return tuple("N" if joint.sigma else "N m" for joint in robot.actuated)
 
     def rows(self, point: Point) -> Rows:
-        joints = actuated(point.mechanism.robot)
+        joints = point.mechanism.robot.actuated
         k, c = (np.array([getattr(joint, name) for joint in joints]) for name in ("k", "Fv"))
         moved = actuated_rows(point.mechanism) @ point.T
         every = np.eye(len(joints))

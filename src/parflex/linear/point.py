@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -12,11 +11,13 @@ from parflex.analysis.small_motions import allowed
 from parflex.analysis.statics import held_load, mass, statics, stiffness
 from parflex.base.array import Array
 from parflex.base.errors import InputError
+from parflex.mechanics.chain import chain_of
 from parflex.mechanics.closure import actuated_rows
 from parflex.mechanics.derivatives.changes import Load
 from parflex.mechanics.derivatives.sensitivity import Sensitivity, direct_sensitivity
+from parflex.mechanics.joint_forces import at_motors
 from parflex.mechanics.mechanism import Mechanism
-from parflex.mechanics.system import System, assembled
+from parflex.mechanics.system import System, assembled, diagonal
 from parflex.robot.wrench import Wrench
 
 FRICTION = ("viscous", "smoothed", "stuck")
@@ -164,11 +165,11 @@ def without_coulomb(mechanism: Mechanism) -> Mechanism:
 
 
 def stuck_rows(mechanism: Mechanism) -> Array:
-    """(s, 6 + N + z), the joints with Coulomb friction.
+    """(s, 6 + N + z), the joints with Coulomb friction, or their motors behind drives that give.
 
     Raises InputError where a flexure at a tip has some, or no joint does.
     """
-    flags: list[Any] = []
+    found: list[Array] = []
     for number in mechanism.legs:
         leg = mechanism.robot.legs[number]
         if any(tip.flexure is not None and tip.flexure.friction for tip in leg.tips):
@@ -176,12 +177,13 @@ def stuck_rows(mechanism: Mechanism) -> Array:
                 'friction is "stuck", but a flexure at a tip has friction, about no axis of its own; take '
                 '"viscous" or "smoothed", or leave the flexure\'s friction out'
             )
-        flags += [joint.Fs > 0 for joint in leg.joints] + [False] * (leg.size - len(leg.joints))
-    stuck = np.flatnonzero(np.array(flags, dtype=bool))
-    if not len(stuck):
+        moved, n = np.eye(leg.size), len(leg.joints)
+        theta = at_motors(chain_of(leg), moved[:, None, :n], moved[:, None, n:])[:, 0].T
+        found.append(theta[[joint.Fs > 0 for joint in leg.joints]])
+    rows = diagonal(found)
+    if not len(rows):
         raise InputError('friction is "stuck", but no joint has Coulomb friction; leave it out')
-    first = 6 + mechanism.platform.modes
-    return np.eye(first + len(flags))[first + stuck]
+    return np.hstack([np.zeros((len(rows), 6 + mechanism.platform.modes)), rows])
 
 
 def unit_rows(rows: Array) -> Array:

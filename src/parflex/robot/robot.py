@@ -18,7 +18,7 @@ from parflex.base.errors import InputError
 from parflex.base.held import Given, Held
 from parflex.robot.body import FlexibleBody
 from parflex.robot.fields import check_fields, exact, held
-from parflex.robot.leg import Leg
+from parflex.robot.leg import Joint, Leg
 from parflex.robot.state import State
 from parflex.robot.words import counted, listed, modal
 
@@ -95,7 +95,12 @@ class Robot:
     @cached_property
     def n_forces(self) -> int:
         """m, the number of actuated joints."""
-        return sum(joint.mu for leg in self.legs for joint in leg.joints)
+        return len(self.actuated)
+
+    @property
+    def actuated(self) -> tuple[Joint, ...]:
+        """The actuated joints, in the order of the forces."""
+        return tuple(joint for leg in self.legs for joint in leg.joints if joint.mu)
 
     @cached_property
     def springs(self) -> tuple[str, ...]:
