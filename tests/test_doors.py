@@ -16,17 +16,18 @@ from fe_doors import DOORS as OF_PLATFORMS
 DOORS = OF_ROBOTS | OF_PLATFORMS
 MADE = (tuple, BaseException)  # results and errors
 UNLISTED = {  # public callables that are not in the tables, and why
-    r"FlexibleBody|Compiled|Result|Mobility|OutputReport|Verdict|View|Modes": "the library makes them",
+    r"FlexibleBody|Compiled|LinearModel|Result|Mobility|OutputReport|Verdict|View|Modes": "the library makes them",
     r"Controller|Output": "abstract",
     r"fe\.(FreeBody|SolidMesh|ComputedModes|Basis|\w*Report)(\.rows)?": "the library makes them",
     r"fe\.FreeBody\.\w+": "the matrices' own unknowns, for bases",
     r"\w+\.(bind|law|planned|wanted_joints|segments|end)": "called by runs, which have checked",
+    r"\w+\.(check|joints|labels|motion|push|rows|units|wrench_map)": "called by linearise, which has checked",
     r"\w*Output\.(check|drift|free|gain|lengths|linear|of|seen)": "called by models, which have checked",
     r"fe\.\w+\.(columns|modes)": "of an abstract basis, or called with a body that has joints",
     r"Trajectory\.(at|rows)": "`sample` without checks",
     r"Controller\.verdict": "says nothing",
     r"Model\.(legs|pose|poses|static)": "former names of others",
-    r"\w+\.(save|to_file|from_file)|load_\w+|view": "take a path, or a run",
+    r"\w+\.(save|to_file|to_matlab|from_file)|load_\w+|view": "take a path, or a run",
     r"fe\.(read_\w+|calculix_body|mesh_from|step_mesh|write_fields|import_modes)": "take files",
     r"plot\.\w+": "draw results",
 }

@@ -36,6 +36,9 @@ FLAT = MODEL.compiled()
 GAMMA = np.full(6, 10.0)
 WAY = pf.Trajectory.through(HOME, [((0.0, 0, 0.01), (0, 0, 0))], 1.0)
 BAR = pf.Bar(mass=1.0, length=0.5)
+STANDING, HELD = MODEL.equilibrium(*ROBOT.home_pose)
+LIN = MODEL.linearise(STANDING, HELD)
+TOOL = pf.compliance(LIN, 0)(np.linspace(10.0, 1e4, 50))
 BATCH = pf.State(np.zeros((2, 3)), UP, elastic=[0.0])
 ANOTHER = pf.State(HOME.position, UP, elastic=np.zeros(9))  # of a robot of nine modes
 
@@ -68,6 +71,8 @@ SOME_JOINTS = ROWS._replace(
     bad={name: bad for name, bad in ROWS.bad.items() if name not in ("nothing", "far")}
 )
 SOME = ROWS._replace(bad={name: bad for name, bad in ROWS.bad.items() if name != "empty"})
+AT_NODE = {"node": whole(0), "offset": array(np.zeros(3))}
+OMEGA = array([10.0, 20.0])
 DRIVEN = {"state": STATE, "forces": array(GAMMA)} | LOAD
 WANTED = {"state": STATE, "target": array(np.zeros(6))} | OUTPUT | LOAD
 JOINTED = {"joints": array([q[2] for q in MODEL.joints(HOME).q]), "guess": GUESS}
@@ -362,6 +367,40 @@ DOORS: dict[str, Door] = {
     ),
     "Result.state": Door(
         RUN.state, {"index": other(0, text="abc", half=0.5, nothing=None, far=99, nan=NAN, object=object())}
+    ),
+    "Accelerometer": Door(pf.Accelerometer, AT_NODE),
+    "Actuators": Door(pf.Actuators, {}),
+    "FramePose": Door(pf.FramePose, {}),
+    "JointMotion": Door(pf.JointMotion, {}),
+    "NodeMotion": Door(
+        pf.NodeMotion,
+        AT_NODE
+        | {"of": other("velocity", text="jerk", number=1, nothing=None, list=["velocity"])}
+        | {"frame": other("platform", text="base", number=1, nothing=None, list=["world"])},
+    ),
+    "NodeWrench": Door(pf.NodeWrench, AT_NODE),
+    "Reference": Door(pf.Reference, {}),
+    "StrutForce": Door(pf.StrutForce, {}),
+    "Model.linearise": Door(
+        MODEL.linearise,
+        {"state": thing(STANDING, another=ANOTHER, batch=BATCH, word="state|State.elastic")}
+        | {"forces": array(HELD)}
+        | {"inputs": things([pf.Actuators()], output=[pf.FramePose()])}
+        | {"outputs": things([pf.FramePose()], input=[pf.Actuators()])}
+        | LOAD
+        | {"friction": other("smoothed", text="dry", number=1, nothing=None, list=["viscous"])}
+        | {"controller": other(None, text="stiff", number=1, list=["locked"])}
+        | {"parameters": VALUES},
+    ),
+    "LinearModel.frf": Door(LIN.frf, {"omega": OMEGA, "structural": number(0.0, more={"negative": -1.0})}),
+    "LinearModel.to_control": Door(LIN.to_control, {"omega": array([10.0, 20.0], none=True)}),
+    "compliance": Door(pf.compliance, {"lin": thing(LIN)} | AT_NODE),
+    "dynamic_stiffness": Door(pf.dynamic_stiffness, {"lin": thing(LIN)} | AT_NODE),
+    "stability_lobes": Door(
+        partial(pf.stability_lobes),
+        {"frf": thing(TOOL)}
+        | {"stiffness": positive(1e9), "teeth": other(4, zero=0, **BAD, **NONE)}
+        | {"direction": array([0.0, 1.0, 0.0]), "speeds": array([1e3, 2e3])},
     ),
     "robots.hexapod": Door(
         partial(pf.robots.hexapod, **SIZES, **SPREADS),

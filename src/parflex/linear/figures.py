@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from parflex.base.check import of_type
 from parflex.linear.inputs import NodeWrench
 from parflex.linear.outputs import NodeMotion
 from parflex.linear.system import LinearModel, linear_model
@@ -26,6 +27,7 @@ def compliance(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) ->
 
     Raises InputError for a node that there is not.
     """
+    of_type("lin", lin, LinearModel)
     inputs, outputs = (NodeWrench(node, offset),), (NodeMotion(node, offset),)
     return linear_model(lin.point, inputs, outputs, lin.feedback).frf
 

@@ -2,20 +2,18 @@
 
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.extra import extra
 from parflex.base.writing import replacing
+from parflex.linear.matrices import Matrices
 from parflex.linear.response import frequencies, responses
 
-if TYPE_CHECKING:
-    from parflex.linear.system import LinearModel
 
-
-def to_control(lin: "LinearModel", omega: ArrayLike | None) -> Any:
+def to_control(lin: Matrices, omega: ArrayLike | None) -> Any:
     """The StateSpace or FRD of `LinearModel.to_control`."""
     control = extra("control", "to_control needs python-control: pip install parflex[control]")
     labels = {"inputs": list(lin.inputs), "outputs": list(lin.outputs)}
@@ -25,7 +23,7 @@ def to_control(lin: "LinearModel", omega: ArrayLike | None) -> Any:
     return control.frd(responses(lin, w), w, **labels)
 
 
-def to_matlab(lin: "LinearModel", path: str | PathLike[str]) -> Path:
+def to_matlab(lin: Matrices, path: str | PathLike[str]) -> Path:
     """Write the file of `LinearModel.to_matlab`."""
     from scipy.io import savemat
 

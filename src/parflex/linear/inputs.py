@@ -1,4 +1,4 @@
-"""What pushes a robot: its actuators, the rests of its springs, wrenches."""
+"""Inputs that push a robot: its actuators, the rests of its springs, wrenches."""
 
 from dataclasses import dataclass
 

@@ -1,22 +1,20 @@
 """The modes of a linear system: frequencies, damping, shapes, and where their energy is."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from parflex.analysis.statics import firmness
 from parflex.base.array import Array
+from parflex.linear.matrices import Matrices
 from parflex.linear.point import Point
 from parflex.mechanics.closure import actuated_rows
-
-if TYPE_CHECKING:
-    from parflex.linear.system import LinearModel
 
 HELD = 1e-6  # of the energies of the parts: the sum of a motion that springs hold
 PARTS = ("platform", "legs", "drives", "other")
 
 
-def modes_of(lin: "LinearModel") -> Any:
+def modes_of(lin: Matrices) -> Any:
     """The modes as a Dataset, the lowest first: of each pair of conjugate poles one, and each real pole.
 
     frequency (mode) Hz is |λ| / 2π, damping −Re λ / |λ|, growth Re λ 1/s; pole_real and pole_imag (mode) 1/s

@@ -1,4 +1,4 @@
-"""What is seen of a robot: its platform's motion, its joints', the forces in its struts and at its tips."""
+"""Outputs that are seen of a robot: its platform's motion, its joints', and the forces in its struts."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

@@ -1,6 +1,6 @@
 """Frequency responses, by the modes of the system."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -8,14 +8,12 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
-
-if TYPE_CHECKING:
-    from parflex.linear.system import LinearModel
+from parflex.linear.matrices import Matrices
 
 SAME = 1e-11  # of the largest response: how well modes must give what is solved for
 
 
-def response(lin: "LinearModel", omega: ArrayLike, structural: float) -> Any:
+def response(lin: Matrices, omega: ArrayLike, structural: float) -> Any:
     """The DataArray of `LinearModel.frf`."""
     import xarray as xr
 
@@ -43,7 +41,7 @@ def frequencies(omega: ArrayLike) -> Array:
     return w
 
 
-def responses(lin: "LinearModel", w: Array, eta: float = 0.0) -> Array:
+def responses(lin: Matrices, w: Array, eta: float = 0.0) -> Array:
     """C (jω − A)⁻¹ B + D (o, r, w), with the structural part of the stiffness in A and C.
 
     It is the sum over the modes, unless that differs from the solution at the first, the middle or the last
@@ -71,7 +69,7 @@ def solved(A: Array, B: Array, C: Array, D: Array, w: Array) -> Array:
     return np.stack(found, axis=-1)
 
 
-def with_loss(lin: "LinearModel", eta: float) -> tuple[Array, Array]:
+def with_loss(lin: Matrices, eta: float) -> tuple[Array, Array]:
     """A and C whose stiffness K about the equilibrium is K (1 + i η); outputs that see accelerations see it,
     too."""
     if not eta:

@@ -1,7 +1,7 @@
 """The linear system of a robot about an equilibrium."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from os import PathLike
 from pathlib import Path
@@ -13,6 +13,8 @@ from numpy.typing import ArrayLike
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.linear.closed import Feedback
+from parflex.linear.handed_on import to_control, to_matlab
+from parflex.linear.matrices import Matrices
 from parflex.linear.modes import modes_of
 from parflex.linear.point import Point
 from parflex.linear.response import response
@@ -21,7 +23,7 @@ from parflex.robot.words import counted
 
 
 @dataclass(frozen=True, eq=False)
-class LinearModel:
+class LinearModel(Matrices):
     """ẋ = A x + B u, y = C x + D u: small motions of a robot about an equilibrium, in minimal coordinates.
 
     A (2d, 2d), B (2d, r), C (o, 2d) and D (o, r); `inputs` and `outputs` are the labels of u and y, whose
@@ -31,18 +33,6 @@ class LinearModel:
 
     Source: Khalil and Dombre for the equations that are differentiated; the derivatives are exact.
     """
-
-    A: Array
-    B: Array
-    C: Array
-    D: Array
-    inputs: tuple[str, ...]
-    outputs: tuple[str, ...]
-    input_units: tuple[str, ...]
-    output_units: tuple[str, ...]
-    by_acceleration: Array = field(repr=False)  # (o, d), what outputs see of accelerations
-    point: Point = field(repr=False)
-    feedback: Feedback | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         return (
@@ -75,8 +65,6 @@ class LinearModel:
 
         Raises InputError where python-control is missing: `pip install parflex[control]`.
         """
-        from parflex.linear.handed_on import to_control
-
         return to_control(self, omega)
 
     def to_matlab(self, path: str | PathLike[str]) -> Path:
@@ -84,8 +72,6 @@ class LinearModel:
 
         Raises InputError where the file cannot be written.
         """
-        from parflex.linear.handed_on import to_matlab
-
         return to_matlab(self, path)
 
 

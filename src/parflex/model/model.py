@@ -7,7 +7,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from parflex.analysis import forward, health, mobility, zero_dynamics
+from parflex.analysis import health, zero_dynamics
 from parflex.base.array import Array
 from parflex.base.check import broadcast_together
 from parflex.kernels import models as kernels
@@ -18,14 +18,14 @@ from parflex.linear.signal import Output as Seen
 from parflex.linear.system import LinearModel
 from parflex.mechanics.cartesian import Cartesian, cartesian
 from parflex.mechanics.energy import Energies, energies
-from parflex.mechanics.ordering import Joints, by_attachment, by_leg
+from parflex.mechanics.ordering import by_attachment, by_leg
 from parflex.mechanics.output import Output
-from parflex.mechanics.system import examined
 from parflex.model import inputs, inverting
 from parflex.model.carried_rest import carried_equilibrium
-from parflex.model.core import joints_at, legs_moved, made
+from parflex.model.core import legs_moved, made
 from parflex.model.derivatives import direct_jacobian_of, inverse_jacobian_of
 from parflex.model.flat import Compiled
+from parflex.model.geometry import Geometry
 from parflex.model.inputs import Floor, Values, Wrenches
 from parflex.model.linearising import linearise
 from parflex.model.renamed import renamed
@@ -34,7 +34,7 @@ from parflex.robot.robot import Robot
 from parflex.robot.state import State
 
 
-class Model:
+class Model(Geometry):
     """The direct and inverse dynamic models of a robot.
 
     backend is "numpy" (the readable reference), "vm" (CasADi's virtual machine), "native" (machine
@@ -188,10 +188,6 @@ class Model:
         """
         return cartesian(self._core.mechanism, self._core.system(state).x)[0]
 
-    def joints(self, state: State, *, base: Floor = None) -> Joints:
-        """Joint positions and rates of the legs: inverse geometry and kinematics."""
-        return joints_at(self._core.on(base), state)
-
     def joint_accelerations(
         self, state: State, forces: ArrayLike, wrenches: Wrenches = (), *, base: Floor = None
     ) -> tuple[Array, ...]:
@@ -213,18 +209,6 @@ class Model:
         """Kinetic, gravitational and strain energy of the robot in the world, and that of its springs."""
         return energies(self._core.on(base).system(state))
 
-    def mobility(self, state: State) -> mobility.Mobility:
-        """Freedoms, redundant constraints, and singularities of both kinds with their directions.
-
-        Raises InputError for a batch or a state off the closure, OutOfReach.
-        """
-        mechanism = self._core.mechanism
-        x = mobility.reached(mechanism, health.single("state", self._core.flat(state)))
-        found = examined(mechanism, x)[1]
-        health.check_reach(mechanism, found)
-        health.check_gaps(mechanism, found)
-        return mobility.mobility(mechanism, x)
-
     def output_report(self, state: State, output: Output | None = None) -> zero_dynamics.OutputReport:
         """The report on how well the actuators command an output about the equilibrium in a pose.
 
@@ -235,38 +219,6 @@ class Model:
         """
         health.single("state", self._core.flat(state))
         return zero_dynamics.output_report(self._core.functions, state, inputs.commanded(self._core, output))
-
-    def project(self, state: State, *, base: Floor = None) -> State:
-        """The state on the closure nearest to a state: what the legs allow.
-
-        The platform's pose and twist are moved, and its bend only where they do not suffice.
-
-        Raises NotConverged where there is none near, OutOfReach where a leg does not reach its tip
-        at the given one.
-        """
-        core = self._core.on(base)
-        return core.state(health.on_closure(core.mechanism, state))
-
-    def forward(self, joints: ArrayLike, guess: State | None = None, *, sag: bool = False) -> State:
-        """Forward geometry: the state at rest whose actuated joints are as given (m,), m and rad.
-
-        It is looked for from the guess, by default home, with the guess's bend; with sag the
-        platform bends under its own weight.
-
-        Raises NotConverged where no pose is found from there.
-        """
-        return self._core.state(forward.forward(self._core.mechanism, joints, guess, sag))
-
-    def forward_all(
-        self, joints: ArrayLike, guess: State | None = None, *, starts: int = 200, seed: int = 0
-    ) -> list[State]:
-        """All poses found whose actuated joints are as given (m,), the nearest to the guess first.
-
-        Newton's method is started at the guess and at random about it; on the branches of the legs'
-        inverse geometry that the robot states. An empty list says that none was found.
-        """
-        found = forward.forward_all(self._core.mechanism, joints, guess, starts, seed)
-        return [self._core.state(x) for x in found]
 
     def equilibrium(
         self,
@@ -317,9 +269,6 @@ class Model:
         given = (inputs, outputs, wrenches, friction, controller, parameters)
         return linearise(self._core, state, forces, *given)
 
-    legs = renamed("legs", joints)
-    pose = renamed("pose", forward)
-    poses = renamed("poses", forward_all)
     static = renamed("static", equilibrium)
 
     def compiled(self, output: Output | None = None) -> Compiled:

@@ -1,0 +1,24 @@
+"""The matrices of a linear system, and what they are about."""
+
+from dataclasses import dataclass, field
+
+from parflex.base.array import Array
+from parflex.linear.closed import Feedback
+from parflex.linear.point import Point
+
+
+@dataclass(frozen=True, eq=False)
+class Matrices:
+    """A (2d, 2d), B (2d, r), C (o, 2d) and D (o, r), the labels and units of inputs and outputs."""
+
+    A: Array
+    B: Array
+    C: Array
+    D: Array
+    inputs: tuple[str, ...]
+    outputs: tuple[str, ...]
+    input_units: tuple[str, ...]
+    output_units: tuple[str, ...]
+    by_acceleration: Array = field(repr=False)  # (o, d), what outputs see of accelerations
+    point: Point = field(repr=False)
+    feedback: Feedback | None = field(default=None, repr=False)
