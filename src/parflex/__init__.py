@@ -31,9 +31,11 @@ if TYPE_CHECKING:
     from parflex.linear.figures import (
         compliance as compliance,
         dynamic_stiffness as dynamic_stiffness,
+        transmissibility as transmissibility,
     )
     from parflex.linear.inputs import (
         Actuators as Actuators,
+        BaseAcceleration as BaseAcceleration,
         NodeWrench as NodeWrench,
         Reference as Reference,
     )
@@ -105,8 +107,8 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
-    "linear.figures": "compliance dynamic_stiffness",
-    "linear.inputs": "Actuators NodeWrench Reference",
+    "linear.figures": "compliance dynamic_stiffness transmissibility",
+    "linear.inputs": "Actuators BaseAcceleration NodeWrench Reference",
     "linear.lobes": "stability_lobes",
     "linear.outputs": "Accelerometer FramePose JointMotion NodeMotion StrutForce",
     "linear.system": "LinearModel",

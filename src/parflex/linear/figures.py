@@ -1,4 +1,5 @@
-"""Figures of merit of a point of the platform: how much it gives, and how stiff it is."""
+"""Figures of merit of a point of the platform: how much it gives, how stiff it is, and what of the floor
+arrives there."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -7,8 +8,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from parflex.base.check import of_type
-from parflex.linear.inputs import NodeWrench
-from parflex.linear.outputs import NodeMotion
+from parflex.linear.inputs import BaseAcceleration, NodeWrench
+from parflex.linear.outputs import FramePose, NodeMotion
+from parflex.linear.point import moved_with
+from parflex.linear.response import frequencies, labelled, loss, parted
 from parflex.linear.system import LinearModel, linear_model
 
 if TYPE_CHECKING:
@@ -48,3 +51,29 @@ def dynamic_stiffness(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0
         return type(found)(inverse, coords, ("output", "input", "omega"), "dynamic_stiffness")
 
     return stiffness
+
+
+def transmissibility(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) -> OfFrequency:
+    """What of the floor's motion arrives at a point of the platform, as `compliance` names it: a function of
+    omega (w,) rad/s.
+
+    The function gives a DataArray (output 6, input 6, omega), complex: displacement and turn of the point in
+    the world, by those of the base at Σ0's origin, both in the axes of the world; it takes `structural=`. Its
+    controller holds the joints, which are relative to the base. At omega = 0 the robot goes with the base as
+    gravity lets it, which leans as the base turns.
+
+    Raises InputError for a node that there is not.
+    """
+    of_type("lin", lin, LinearModel)
+    seen = NodeMotion(node, offset)
+    system = linear_model(lin.point, (BaseAcceleration(),), (seen,), lin.feedback)
+    carried = moved_with(seen.position(lin.point))
+
+    def arrived(omega: ArrayLike, structural: float = 0.0) -> Any:
+        w, eta = frequencies(omega), loss(structural)
+        by_value, by_turn, turns = parted(system, w, eta)
+        found = carried[..., None] - w**2 * by_value + np.einsum("obw,br->orw", by_turn, turns)
+        units = FramePose().units(lin.point.mechanism.robot)
+        return labelled(found, w, "transmissibility", system.outputs, system.inputs, units, units)
+
+    return arrived

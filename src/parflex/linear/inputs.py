@@ -8,7 +8,7 @@ from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.linear.place import NodePlace
 from parflex.linear.point import Point
-from parflex.linear.signal import AXES, Input, Push, along_joints, on_platform
+from parflex.linear.signal import AXES, Input, Push, along_joints, on_platform, push_parts
 from parflex.robot.robot import Robot
 
 
@@ -79,6 +79,28 @@ class NodeWrench(NodePlace, Input):
         R = np.asarray(point.system.x.rotation)
         world = np.kron(np.eye(2), R.T)
         return on_platform(point, self.wrench_map(point) @ world)
+
+
+@dataclass(frozen=True)
+class BaseAcceleration(Input):
+    """The acceleration of the base, of Σ0's origin and its turning, in the world's axes, m/s² and rad/s²:
+    "base_x" … "base_rz". Outputs are relative to the base.
+
+    Where there is gravity, a turn of the base leans it: the system has the three turns and their rates as
+    states, poles at zero, which `modes()` and `poles` leave out.
+    """
+
+    def labels(self, robot: Robot) -> tuple[str, ...]:
+        return axis_labels("base")
+
+    def units(self, robot: Robot) -> tuple[str, ...]:
+        return ("m/s^2",) * 3 + ("rad/s^2",) * 3
+
+    def push(self, point: Point) -> Push:
+        leaning = np.hstack([np.zeros((6, 3)), point.leaning()])
+        by_integral = point.by_base @ leaning
+        parts = {"by_value": point.by_base, "by_integral": by_integral}
+        return push_parts(6, point, **parts, felt=np.eye(6), felt_by_integral=leaning)
 
 
 def axis_labels(name: str, letters: str = "") -> tuple[str, ...]:

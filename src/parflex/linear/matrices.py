@@ -22,3 +22,10 @@ class Matrices:
     by_acceleration: Array = field(repr=False)  # (o, d), what outputs see of accelerations
     point: Point = field(repr=False)
     feedback: Feedback | None = field(default=None, repr=False)
+    base_states: int = field(default=0, repr=False)  # the last ones, turns and rates of the base
+
+    @property
+    def own(self) -> Array:
+        """A without the states of the base."""
+        n = len(self.A) - self.base_states
+        return self.A[:n, :n]

@@ -27,7 +27,7 @@ def modes_of(lin: Matrices) -> Any:
     import xarray as xr
 
     d, point = lin.point.T.shape[1], lin.point
-    values, vectors = np.linalg.eig(lin.A)
+    values, vectors = np.linalg.eig(lin.own)
     upper = np.flatnonzero(values.imag >= 0)
     order = upper[np.lexsort((values[upper].imag, np.abs(values[upper])))]
     values, zeta = values[order], vectors[:d, order].T

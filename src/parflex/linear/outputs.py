@@ -10,7 +10,7 @@ from parflex.base.errors import InputError
 from parflex.base.spatial import cayley
 from parflex.linear.inputs import axis_labels, in_world
 from parflex.linear.place import NodePlace
-from parflex.linear.point import Point
+from parflex.linear.point import Point, moved_with
 from parflex.linear.signal import Output, Rows, row_parts
 from parflex.mechanics.closure import actuated_rows
 from parflex.robot.robot import Robot
@@ -139,4 +139,6 @@ class Accelerometer(NodePlace, Output):
         turns = body.shapes_at(self.node, self.offset)[1]
         axes, tilt = cayley(turns @ x.elastic, turns)
         turned = point.T[3:6] + tilt @ point.T[6 : 6 + body.modes]
-        return row_parts(point, place=-axes.T @ skew(gravity) @ turned, acceleration=axes.T @ moved[:3])
+        carried = x.rotation.T @ moved_with(self.position(point))[:3]
+        parts = {"place": -axes.T @ skew(gravity) @ turned, "acceleration": axes.T @ moved[:3]}
+        return row_parts(point, **parts, felt=axes.T @ carried)

@@ -46,6 +46,13 @@ class NodePlace(Signal):
         body = point.mechanism.platform.body
         return node_wrench_map(body, self.node, point.system.x.elastic, self.offset)
 
+    def position(self, point: Point) -> Array:
+        """(3,) m, where it is in the world at the equilibrium."""
+        x, body = point.system.x, point.mechanism.platform.body
+        own = body.nodes[self.node] + self.offset + body.shapes_at(self.node, self.offset)[0] @ x.elastic
+        found: Array = x.position + x.rotation @ own
+        return found
+
     def motion(self, point: Point) -> Array:
         """(6, d), ζ to the displacement and the turn of the point, in Σp."""
         found: Array = self.wrench_map(point).T @ point.T[: 6 + point.mechanism.platform.modes]

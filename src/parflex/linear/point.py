@@ -9,7 +9,7 @@ import numpy as np
 from parflex.analysis.mobility import null_space
 from parflex.analysis.small_motions import allowed
 from parflex.analysis.statics import held_load, mass, statics, stiffness
-from parflex.base.array import Array
+from parflex.base.array import Array, skew
 from parflex.base.errors import InputError
 from parflex.mechanics.chain import chain_of
 from parflex.mechanics.closure import actuated_rows
@@ -18,6 +18,8 @@ from parflex.mechanics.derivatives.sensitivity import Sensitivity, direct_sensit
 from parflex.mechanics.joint_forces import at_motors
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.system import System, assembled, diagonal
+from parflex.robot.base_motion import BaseMotion
+from parflex.robot.carrying import base_of
 from parflex.robot.wrench import Wrench
 
 FRICTION = ("viscous", "smoothed", "stuck")
@@ -75,12 +77,33 @@ class Point:
         """(d, d) 1/s."""
         return self.reduction @ self.by_rate(self.slopes.state)
 
+    @cached_property
+    def by_base(self) -> Array:
+        """(d, 6), the relative accelerations ζ̈ by those of Σ0, linear and angular in its own axes."""
+        still = BaseMotion()
+        on_base = replace(self.mechanism, base=base_of(still.flat))
+        x = self.system.x
+        slopes = direct_sensitivity(assembled(on_base, self.x), self.forces, self.load).base
+        carried = np.zeros((len(slopes), 6))
+        carried[:6] = np.kron(np.eye(2), x.rotation.T) @ moved_with(x.position)
+        found: Array = self.reduction @ (slopes[:, -6:] - carried)
+        return found
+
+    def leaning(self) -> Array:
+        """(6, 3), the acceleration of Σ0 that is felt like its small turn: gravity leans the other way."""
+        return np.concatenate([-skew(self.mechanism.gravity), np.zeros((3, 3))])
+
     def pushed(self, forces: Array | None = None, load: Array | None = None) -> Array:
         """(d, r), the accelerations ζ̈ that columns of Γ (m, r), or loads on the platform (6 + N, r), give."""
         if forces is not None:
             return self.reduction @ self.slopes.forces @ forces
         assert load is not None, "either forces or a load push"
         return self.reduction @ self.slopes.load @ load
+
+
+def moved_with(place: Array) -> Array:
+    """(6, 6), the motion of a point of Σ0 (3,), by that of Σ0 itself."""
+    return np.block([[np.eye(3), -skew(place)], [np.zeros((3, 3)), np.eye(3)]])
 
 
 def point_at(

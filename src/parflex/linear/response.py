@@ -1,5 +1,6 @@
 """Frequency responses, by the modes of the system."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -15,22 +16,40 @@ SAME = 1e-11  # of the largest response: how well modes must give what is solved
 
 def response(lin: Matrices, omega: ArrayLike, structural: float) -> Any:
     """The DataArray of `LinearModel.frf`."""
+    w, eta = frequencies(omega), loss(structural)
+    names = (lin.outputs, lin.inputs, lin.output_units, lin.input_units)
+    return labelled(responses(lin, w, eta), w, "frf", *names)
+
+
+def labelled(
+    values: Array,
+    w: Array,
+    name: str,
+    outputs: Sequence[str],
+    inputs: Sequence[str],
+    output_units: Sequence[str],
+    input_units: Sequence[str],
+) -> Any:
+    """Responses (o, r, w) as a DataArray (output, input, omega)."""
     import xarray as xr
 
-    w = frequencies(omega)
-    eta = finite("structural", structural, ())
-    if eta < 0:
-        raise InputError(f"structural is {structural}; a loss factor is not negative")
-    found = responses(lin, w, float(eta))
     coords = {
-        "output": list(lin.outputs),
-        "input": list(lin.inputs),
+        "output": list(outputs),
+        "input": list(inputs),
         "omega": ("omega", w, {"units": "rad/s", "long_name": "circular frequency"}),
         "frequency": ("omega", w / (2 * np.pi), {"units": "Hz", "long_name": "frequency"}),
-        "output_units": ("output", list(lin.output_units)),
-        "input_units": ("input", list(lin.input_units)),
+        "output_units": ("output", list(output_units)),
+        "input_units": ("input", list(input_units)),
     }
-    return xr.DataArray(found, coords, ("output", "input", "omega"), "frf")
+    return xr.DataArray(values, coords, ("output", "input", "omega"), name)
+
+
+def loss(structural: float) -> float:
+    """A loss factor; raises InputError where it is negative."""
+    eta = float(finite("structural", structural, ()))
+    if eta < 0:
+        raise InputError(f"structural is {structural}; a loss factor is not negative")
+    return eta
 
 
 def frequencies(omega: ArrayLike) -> Array:
@@ -44,22 +63,48 @@ def frequencies(omega: ArrayLike) -> Array:
 def responses(lin: Matrices, w: Array, eta: float = 0.0) -> Array:
     """C (jω − A)⁻¹ B + D (o, r, w), with the structural part of the stiffness in A and C.
 
+    Raises InputError at ω = 0 where turns of the base are states: they grow for ever.
+    """
+    by_value, by_turn, turns = parted(lin, w, eta)
+    if not lin.base_states:
+        return by_value
+    if np.any(w == 0):
+        raise InputError(
+            "omega holds 0, where an acceleration of the base leans gravity for ever; begin above it"
+        )
+    found: Array = by_value + np.einsum("obw,br->orw", by_turn, turns) / (1j * w) ** 2
+    return found
+
+
+def parted(lin: Matrices, w: Array, eta: float = 0.0) -> tuple[Array, Array, Array]:
+    """The responses (o, r, w) without the states of the base, those (o, b, w) to its turns, and which inputs
+    turn it, (b, r)."""
+    A, C = with_loss(lin, eta)
+    n, b = len(A) - lin.base_states, lin.base_states // 2
+    own, seen = A[:n, :n], C[:, :n]
+    by_value = transfer(own, lin.B[:n], seen, lin.D, w)
+    by_turn = transfer(own, A[:n, n : n + b], seen, C[:, n : n + b], w)
+    return by_value, by_turn, lin.B[n + b :]
+
+
+def transfer(A: Array, B: Array, C: Array, D: Array, w: Array) -> Array:
+    """C (jω − A)⁻¹ B + D (o, r, w).
+
     It is the sum over the modes, unless that differs from the solution at the first, the middle or the last
     frequency, as it does where modes are nearly alike: motions that nothing holds.
     """
-    A, C = with_loss(lin, eta)
     values, vectors = np.linalg.eig(A)
     try:
-        left, right = C @ vectors, np.linalg.solve(vectors, lin.B.astype(complex))
+        left, right = C @ vectors, np.linalg.solve(vectors, B.astype(complex))
     except np.linalg.LinAlgError:
-        return solved(A, lin.B, C, lin.D, w)
+        return solved(A, B, C, D, w)
     parts = 1.0 / (1j * w[:, None] - values)
-    found: Array = np.moveaxis((left * parts[:, None, :]) @ right, 0, -1) + lin.D[..., None]
+    found: Array = np.moveaxis((left * parts[:, None, :]) @ right, 0, -1) + D[..., None]
     some = sorted({0, len(w) // 2, len(w) - 1})
-    wanted = solved(A, lin.B, C, lin.D, w[some])
+    wanted = solved(A, B, C, D, w[some])
     off = np.max(np.abs(found[..., some] - wanted), axis=(0, 1), initial=0.0)
     largest = np.max(np.abs(wanted), axis=(0, 1), initial=0.0)
-    return found if np.all(off <= SAME * largest) else solved(A, lin.B, C, lin.D, w)
+    return found if np.all(off <= SAME * largest) else solved(A, B, C, D, w)
 
 
 def solved(A: Array, B: Array, C: Array, D: Array, w: Array) -> Array:

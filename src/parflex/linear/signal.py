@@ -14,21 +14,26 @@ AXES = ("x", "y", "z", "rx", "ry", "rz")
 
 
 class Push(NamedTuple):
-    """The effect of r inputs u and their rates: ζ̈ = … + B u + B_t u̇, and forces along the actuated joints."""
+    """The effect of r inputs u, their rates and double integrals: ζ̈ = … + B u + B_t u̇ + B_2 ∬u, forces along
+    the actuated joints, and the acceleration of the base that is felt."""
 
     by_value: Array  # B (d, r)
     by_rate: Array  # B_t (d, r)
+    by_integral: Array  # B_2 (d, r)
     forces: Array  # (m, r), by u
     forces_by_rate: Array  # (m, r), by u̇
+    felt: Array  # (6, r), by u, linear and angular, in Σ0
+    felt_by_integral: Array  # (6, r), by ∬u
 
 
 class Rows(NamedTuple):
-    """The rows of o outputs: y = P ζ + R ζ̇ + Q ζ̈ + G Γ."""
+    """The rows of o outputs: y = P ζ + R ζ̇ + Q ζ̈ + G Γ + F a_b, with the felt acceleration of the base."""
 
     place: Array  # (o, d)
     rate: Array  # (o, d)
     acceleration: Array  # (o, d)
     forces: Array  # (o, m)
+    felt: Array  # (o, 6)
 
 
 @dataclass(frozen=True)
@@ -64,16 +69,24 @@ class Output(Signal):
         """Their rows about an equilibrium."""
 
 
+def push_parts(count: int, point: Point, **parts: Array) -> Push:
+    """A push of r inputs of which some parts are given, and others zero."""
+    d, m = point.T.shape[1], len(point.forces)
+    none = Push(*(np.zeros((rows, count)) for rows in (d, d, d, m, m, 6, 6)))
+    return none._replace(**parts)
+
+
 def along_joints(point: Point, forces: Array, by_rate: Array | None = None) -> Push:
     """The push of forces (m, r) along the actuated joints, by inputs and by their rates."""
     by_rate = 0.0 * forces if by_rate is None else by_rate
-    return Push(point.pushed(forces=forces), point.pushed(forces=by_rate), forces, by_rate)
+    pushed, by_rates = point.pushed(forces=forces), point.pushed(forces=by_rate)
+    parts = {"by_value": pushed, "by_rate": by_rates, "forces": forces, "forces_by_rate": by_rate}
+    return push_parts(forces.shape[1], point, **parts)
 
 
 def on_platform(point: Point, load: Array) -> Push:
     """The push of loads (6 + N, r) on the platform."""
-    found, none = point.pushed(load=load), np.zeros((len(point.forces), load.shape[1]))
-    return Push(found, 0.0 * found, none, none)
+    return push_parts(load.shape[1], point, by_value=point.pushed(load=load))
 
 
 def row_parts(
@@ -82,10 +95,11 @@ def row_parts(
     rate: Array | None = None,
     acceleration: Array | None = None,
     forces: Array | None = None,
+    felt: Array | None = None,
 ) -> Rows:
     """Rows of which some parts are given, and others zero."""
-    parts = (place, rate, acceleration, forces)
+    parts = (place, rate, acceleration, forces, felt)
     count = next(len(part) for part in parts if part is not None)
-    widths = [point.T.shape[1]] * 3 + [len(point.forces)]
+    widths = [point.T.shape[1]] * 3 + [len(point.forces), 6]
     found = (np.zeros((count, n)) if part is None else part for part, n in zip(parts, widths, strict=True))
     return Rows(*found)

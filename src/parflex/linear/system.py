@@ -29,7 +29,7 @@ class LinearModel(Matrices):
     A (2d, 2d), B (2d, r), C (o, 2d) and D (o, r); `inputs` and `outputs` are the labels of u and y, whose
     units are `input_units` and `output_units`. x are d coordinates of unit mass and their rates; of inputs
     that act by their rate, too, it holds the rates less that part. With a controller that integrates, its
-    integrals stand behind them.
+    integrals stand behind them; last come turns and rates of a base, by which gravity leans.
 
     Source: Khalil and Dombre for the equations that are differentiated; the derivatives are exact.
     """
@@ -42,8 +42,8 @@ class LinearModel(Matrices):
 
     @cached_property
     def poles(self) -> Array:
-        """(2d,) the eigenvalues of A, 1/s, in the order of their size."""
-        found = np.linalg.eigvals(self.A)
+        """(2d,) the eigenvalues of A, 1/s, in the order of their size; without those of the base."""
+        found = np.linalg.eigvals(self.own)
         order: Array = found[np.lexsort((found.imag, np.abs(found)))]
         return order
 
@@ -94,12 +94,12 @@ def linear_model(
             raise InputError(f"{what} name {twice} twice; name each once")
         names.append((tuple(labels), tuple(unit for signal in signals for unit in signal.units(robot))))
     d, m = point.T.shape[1], len(point.forces)
-    pushes = Push(*side_by_side([signal.push(point) for signal in inputs], [d, d, m, m], axis=1))
-    rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], [d, d, d, m], axis=0))
-    found = state_space(point, pushes, rows, feedback)
+    pushes = Push(*side_by_side([signal.push(point) for signal in inputs], [d, d, d, m, m, 6, 6], axis=1))
+    rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], [d, d, d, m, 6], axis=0))
+    A, B, C, D, base = state_space(point, pushes, rows, feedback)
     (of_inputs, input_units), (of_outputs, output_units) = names
     words = (of_inputs, of_outputs, input_units, output_units)
-    return LinearModel(*found, *words, rows.acceleration, point, feedback)
+    return LinearModel(A, B, C, D, *words, rows.acceleration, point, feedback, base)
 
 
 def side_by_side(parts: Sequence[tuple[Array, ...]], lengths: Sequence[int], axis: int) -> list[Array]:
@@ -110,8 +110,8 @@ def side_by_side(parts: Sequence[tuple[Array, ...]], lengths: Sequence[int], axi
 
 def state_space(
     point: Point, pushes: Push, rows: Rows, feedback: Feedback | None
-) -> tuple[Array, Array, Array, Array]:
-    """A, B, C and D with x = (ζ, ζ̇ − B_t u[, ∫ q dt])."""
+) -> tuple[Array, Array, Array, Array, int]:
+    """A, B, C and D with x = (ζ, ζ̇ − B_t u[, ∫ q dt][, ∬u, ∫u]), and the number of the last, of the base."""
     K, C, d = point.K, point.C, point.T.shape[1]
     one, none = np.eye(d), np.zeros((d, d))
     B, B_t = pushes.by_value, pushes.by_rate
@@ -131,11 +131,29 @@ def state_space(
     if feedback is not None:
         by_place = by_place + forces @ feedback.forces_by_place
         by_rate = by_rate + forces @ feedback.forces_by_rate
-    through = by_rate @ B_t + rows.acceleration @ B + forces @ pushes.forces
+    through = by_rate @ B_t + rows.acceleration @ B + forces @ pushes.forces + rows.felt @ pushes.felt
     out = np.concatenate([by_place, by_rate], axis=1)
     if len(integrals):
         A, into, out = feedback_states(A, into, out, rows, feedback)
-    return A, into, out, through
+    return base_states(A, into, out, through, pushes, rows)
+
+
+def base_states(
+    A: Array, into: Array, out: Array, through: Array, pushes: Push, rows: Rows
+) -> tuple[Array, Array, Array, Array, int]:
+    """A, B, C, D and the number of states behind the others: integrals of inputs by which gravity leans."""
+    some = np.flatnonzero(np.any(pushes.felt_by_integral, axis=0))
+    n, d, f = len(A), len(pushes.by_integral), len(some)
+    if not f:
+        return A, into, out, through, 0
+    leaning = np.zeros((n, 2 * f))
+    leaning[d : 2 * d, :f] = pushes.by_integral[:, some]
+    chain = np.block([[np.zeros((f, f)), np.eye(f)], [np.zeros((f, 2 * f))]])
+    driven = np.concatenate([np.zeros((f, into.shape[1])), np.eye(into.shape[1])[some]])
+    seen = rows.acceleration @ pushes.by_integral + rows.felt @ pushes.felt_by_integral
+    A = np.block([[A, leaning], [np.zeros((2 * f, n)), chain]])
+    out = np.concatenate([out, seen[:, some], np.zeros((len(out), f))], axis=1)
+    return A, np.concatenate([into, driven]), out, through, 2 * f
 
 
 def feedback_states(
