@@ -86,8 +86,8 @@ class BaseAcceleration(Input):
     """The acceleration of the base, of Σ0's origin and its turning, in the world's axes, m/s² and rad/s²:
     "base_x" … "base_rz". Outputs are relative to the base.
 
-    Where there is gravity, a turn of the base leans it: the system has the three turns and their rates as
-    states, poles at zero, which `modes()` and `poles` leave out.
+    Where there is gravity, turns of the base lean it: the system has them and their rates as states, poles at
+    zero, which `modes()` and `poles` leave out.
     """
 
     def labels(self, robot: Robot) -> tuple[str, ...]:
