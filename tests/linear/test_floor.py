@@ -128,3 +128,23 @@ def test_turns_of_the_base_are_no_modes_and_need_a_frequency():
     assert lin.modes().sizes["mode"] == len(model.linearise(state, forces).modes().mode)
     with pytest.raises(pf.InputError, match="omega holds 0, where an acceleration of the base leans"):
         lin.frf([0.0, 1.0])
+
+
+def test_on_a_base_that_accelerates():
+    """Seen from it the system is that of the robot at rest under gravity g − a, turned as the base is."""
+    robot = flexlegs.mixed("gs_flexlegs")
+    turn = Rotation.from_rotvec(0.3 * AXIS).as_matrix()
+    base = pf.BaseMotion((0.2, 0.1, -0.3), turn, (0.5, 0.1, 0, 0, 0, 0), (2.0, -1.0, 3.0, 0, 0, 0))
+    model = pf.Model(robot, "numpy")
+    place = base.position + turn @ robot.home.position, turn @ robot.home.rotation
+    state, forces = model.equilibrium(*place, base=base)
+    lin = model.linearise(state, forces, base=base)
+    felt = replace(robot, gravity=turn.T @ (robot.gravity - base.acceleration[:3]))
+    other = pf.Model(felt, "numpy")
+    there, holding = other.equilibrium(*robot.home_pose)
+    assert np.allclose(forces, holding, rtol=1e-9)
+    expected = other.linearise(there, holding)
+    omega = [3.0, 30.0, 300.0]
+    assert np.allclose(lin.frf(omega), expected.frf(omega), rtol=1e-7)
+    with pytest.raises(pf.InputError, match="state moves relative to base, by 0.5"):
+        model.linearise(replace(state, twist=np.zeros(6)), forces, base=base)

@@ -390,11 +390,14 @@ DOORS: dict[str, Door] = {
         | LOAD
         | {"friction": other("smoothed", text="dry", number=1, nothing=None, list=["viscous"])}
         | {"controller": other(None, text="stiff", number=1, list=["locked"])}
+        | FLOOR
         | {"parameters": VALUES},
     ),
     "LinearModel.frf": Door(LIN.frf, {"omega": OMEGA, "structural": number(0.0, more={"negative": -1.0})}),
     "LinearModel.to_control": Door(LIN.to_control, {"omega": array([10.0, 20.0], none=True)}),
+    "BaseAcceleration": Door(pf.BaseAcceleration, {}),
     "compliance": Door(pf.compliance, {"lin": thing(LIN)} | AT_NODE),
+    "transmissibility": Door(pf.transmissibility, {"lin": thing(LIN)} | AT_NODE),
     "dynamic_stiffness": Door(pf.dynamic_stiffness, {"lin": thing(LIN)} | AT_NODE),
     "stability_lobes": Door(
         partial(pf.stability_lobes),

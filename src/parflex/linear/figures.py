@@ -54,8 +54,8 @@ def dynamic_stiffness(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0
 
 
 def transmissibility(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) -> OfFrequency:
-    """What of the floor's motion arrives at a point of the platform, as `compliance` names it: a function of
-    omega (w,) rad/s.
+    """The part of the floor's motion that arrives at a point of the platform, as `compliance` names it: a
+    function of omega (w,) rad/s.
 
     The function gives a DataArray (output 6, input 6, omega), complex: displacement and turn of the point in
     the world, by those of the base at Σ0's origin, both in the axes of the world; it takes `structural=`. Its

@@ -18,6 +18,8 @@ from parflex.robot.carrying import Base, base_of
 from parflex.robot.state import State
 from parflex.robot.wrench import Wrench
 
+GOES = 1e-9  # m/s, rad/s: relative rates that are round-off
+
 
 def carried_equilibrium(
     core: Core,
@@ -48,6 +50,24 @@ def carried_equilibrium(
         core.weighed(base.acceleration, base.rotation), position, rotation, forces, guess, pushes, parameters
     )
     return carried(base, found), held
+
+
+def from_base(core: Core, motion: BaseMotion, state: State, wrenches: Any) -> tuple[Core, State, Any]:
+    """The core, a state that goes with a base, and wrenches, as they are seen from it, at rest.
+
+    Raises InputError for a base that is a batch or turns, and a state that does not go with it.
+    """
+    flat = of_type("base", motion, BaseMotion).flat
+    check_steady(motion, flat)
+    base, state = base_of(flat), of_type("state", state, State)
+    found = seen(base, state)
+    apart = float(np.max(np.abs(state.twist - carried(base, found).twist)))
+    if apart > GOES * (1.0 + float(np.max(np.abs(base.velocity)))):
+        raise InputError(
+            f"state moves relative to base, by {apart:.3g} m/s or rad/s; take both from "
+            f"model.equilibrium(…, base=…)"
+        )
+    return core.weighed(base.acceleration, base.rotation), found, turned(base, wrenches)
 
 
 def check_steady(motion: BaseMotion, flat: Array) -> None:

@@ -13,8 +13,10 @@ from parflex.linear.point import point_at
 from parflex.linear.signal import Input, Output
 from parflex.linear.system import LinearModel, linear_model
 from parflex.model import inputs as checked
+from parflex.model.carried_rest import from_base
 from parflex.model.core import Core
 from parflex.model.inputs import Values, Wrenches
+from parflex.robot.base_motion import BaseMotion
 from parflex.robot.state import State
 
 LOCKED = "locked"
@@ -29,11 +31,14 @@ def linearise(
     wrenches: Wrenches,
     friction: str,
     controller: Any,
+    base: BaseMotion | None,
     parameters: Values,
 ) -> LinearModel:
     """The system; see `Model.linearise`."""
     if parameters is not None:
         core = core.at(checked.single_values(checked.theta(core, parameters)))
+    if base is not None:
+        core, state, wrenches = from_base(core, base, state, wrenches)
     all_of_type("inputs", inputs, Input)
     all_of_type("outputs", outputs, Output)
     x = health.single("state", core.flat(state))

@@ -30,6 +30,7 @@ from parflex.model.inputs import Floor, Values, Wrenches
 from parflex.model.linearising import linearise
 from parflex.model.renamed import renamed
 from parflex.model.results import Accelerations, DirectJacobian, Forces, InverseJacobian, Reactions
+from parflex.robot.base_motion import BaseMotion
 from parflex.robot.robot import Robot
 from parflex.robot.state import State
 
@@ -254,6 +255,7 @@ class Model(Geometry):
         wrenches: Wrenches = (),
         friction: str = "viscous",
         controller: Any = None,
+        base: BaseMotion | None = None,
         parameters: Values = None,
     ) -> LinearModel:
         """The small motions about an equilibrium as a linear system in minimal coordinates, exact, with what
@@ -261,12 +263,13 @@ class Model(Geometry):
 
         state and forces (m,) are those of `equilibrium`. Coulomb friction is left out ("viscous"), smoothed
         as it is ("smoothed"), or holds its joints ("stuck"). A controller with gains kp, kd and ki closes the
-        loop of the actuated joints, its force added to the inputs'; "locked" holds them where they are.
+        loop of the actuated joints, its force added to the inputs'; "locked" holds them where they are. On a
+        base that accelerates steadily all is seen from it, in its axes.
 
         Raises InputError where the state moves or is no equilibrium, for a signal that the robot does not
         have, a controller without gains, a motion without inertia, and batches.
         """
-        given = (inputs, outputs, wrenches, friction, controller, parameters)
+        given = (inputs, outputs, wrenches, friction, controller, base, parameters)
         return linearise(self._core, state, forces, *given)
 
     static = renamed("static", equilibrium)
