@@ -22,7 +22,7 @@ UNLISTED = {  # public callables that are not in the tables, and why
     r"fe\.(FreeBody|SolidMesh|ComputedModes|Basis|\w*Report)(\.rows)?": "the library makes them",
     r"fe\.FreeBody\.\w+": "the matrices' own unknowns, for bases",
     r"\w+\.(bind|law|planned|wanted_joints|segments|end)": "called by runs, which have checked",
-    r"\w+\.(check|joints|labels|motion|position|push|rows|units|wrench_map)": "called by linearise, which has checked",
+    r"\w+\.(check|joints|labels|motion|position|push|rows|units|wrench_map)": "called by linearise",
     r"\w*Output\.(check|drift|free|gain|lengths|linear|of|seen)": "called by models, which have checked",
     r"fe\.\w+\.(columns|modes)": "of an abstract basis, or called with a body that has joints",
     r"Trajectory\.(at|rows)": "`sample` without checks",
