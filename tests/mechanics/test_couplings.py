@@ -180,13 +180,29 @@ def test_files_keep_them(tmp_path):
         assert own.rest.tolist() == [0.1, 0.2, 0.9]
 
 
+def test_files_have_units(tmp_path):
+    """Of a joint that turns, of one that slides, and of both together."""
+    robot = with_couplings(pf.robots.gough_stewart(0), pf.Coupling((2, 3), [[60.0, 25.0], [25.0, 40.0]]))
+    path = robot.to_file(tmp_path / "robot.toml")
+    text = path.read_text()
+    written = '[["0.06 N m/mrad", "25 N/rad"], ["25 N", "0.04 N/mm"]]'
+    path.write_text(text.replace("[[60.0, 25.0], [25.0, 40.0]]", f'{written}\nrest = ["3 deg", "500 mm"]'))
+    assert text != path.read_text()
+    for leg in pf.load_robot(path).legs:
+        assert np.allclose(leg.couplings[0].stiffness, [[60.0, 25.0], [25.0, 40.0]], rtol=1e-14)
+        assert np.allclose(leg.couplings[0].rest, [np.radians(3), 0.5], rtol=1e-14)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
         ("joints = [1, 2]", "joints = [1, 3]", "a coupling across a branch of the tree"),
         ("[25.0, 40.0]", "[24.0, 40.0]", "stiffness differs from its transpose by 1"),
         ("[60.0, 25.0]", "[1.0, 25.0]", "stiffness has the principal value -11.2"),
-        ("[60.0, 25.0], [25.0, 40.0]", "[60.0]", r"stiffness has shape \(1, 1\); expected"),
+        ("[60.0, 25.0], [25.0, 40.0]", "[60.0]", "stiffness has 1 rows; give one for each of 2 joints"),
+        ("[60.0, 25.0]", "[60.0]", r"stiffness\[0\] has 1 numbers; give one for each of 2 joints"),
+        ("[60.0, 25.0]", '["60 N/m", 25.0]', r"stiffness\[0\]\[0\] is \"60 N/m\", which is not a stiffness"),
+        ("joints = [1, 2]", "joints = [1, 9]", r"joints is \[1, 9\]; this leg has joints 1 … 3"),
     ],
 )
 def test_files_name_the_line(tmp_path, old, new, words):

@@ -20,7 +20,7 @@ from parflex.files.link_tables import link_fields
 from parflex.files.quantity import convert
 from parflex.files.reading import Reader
 from parflex.files.tables import rotation_of
-from parflex.robot.coupling import Coupling, check_couplings
+from parflex.robot.coupling import Coupling, check_row, numbers
 from parflex.robot.flexure import Flexure
 from parflex.robot.leg import Joint, Leg, Tip
 from parflex.robots.legs import ALL_LEG_KINDS
@@ -60,9 +60,9 @@ def chain_parts(reader: Reader, name: str, table: AnyChainTable) -> Parts | None
 
 def coupling_on(joints: tuple[Joint, ...], row: CouplingTable) -> Coupling:
     """A coupling of joints, checked as a leg's."""
-    found = coupling_of(row)
-    check_couplings([found], [joint.antecedent for joint in joints])
-    return found
+    numbered = numbers("joints", row.joints)
+    check_row("joints", numbered, [joint.antecedent for joint in joints])
+    return coupling_of(row, [joints[j - 1].sigma for j in numbered])
 
 
 def tip_of(reader: Reader, where: Where, joints: tuple[Joint, ...], row: TipTable) -> Tip | None:

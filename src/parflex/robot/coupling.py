@@ -62,13 +62,17 @@ def check_couplings(couplings: Sequence[Coupling], antecedents: Sequence[int]) -
     """Raise InputError where a coupling is on joints that there are not, or across a branch of the tree;
     antecedents are from 1, 0 for the base."""
     for number, coupling in enumerate(couplings):
-        name, joints = f"Leg.couplings[{number}].joints", list(coupling.joints)
-        if max(joints) > len(antecedents):
-            raise InputError(f"{name} is {joints}; this leg has joints 1 … {len(antecedents)}")
-        for first, second in pairwise(joints):
-            if antecedents[second - 1] != first:
-                raise InputError(
-                    f"{name} is {joints}, a coupling across a branch of the tree: joint {second} does not "
-                    f"follow joint {first} but {antecedents[second - 1] or 'the base'}; name joints each of "
-                    f"which is the antecedent of the next"
-                )
+        check_row(f"Leg.couplings[{number}].joints", coupling.joints, antecedents)
+
+
+def check_row(name: str, joints: Sequence[int], antecedents: Sequence[int]) -> None:
+    """Raise InputError where joints, from 1, are not there, or not each the antecedent of the next."""
+    if max(joints) > len(antecedents):
+        raise InputError(f"{name} is {list(joints)}; this leg has joints 1 … {len(antecedents)}")
+    for first, second in pairwise(joints):
+        if antecedents[second - 1] != first:
+            raise InputError(
+                f"{name} is {list(joints)}, a coupling across a branch of the tree: joint {second} does not "
+                f"follow joint {first} but {antecedents[second - 1] or 'the base'}; name joints each of "
+                f"which is the antecedent of the next"
+            )
