@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from parflex.analysis.mobility import Mobility as Mobility
     from parflex.analysis.zero_dynamics import OutputReport as OutputReport
     from parflex.base.errors import (
+        BeyondBasis as BeyondBasis,
         DynamicSingularity as DynamicSingularity,
         ImplausibleValue as ImplausibleValue,
         InputError as InputError,
@@ -103,8 +104,8 @@ if TYPE_CHECKING:
 _NAMES = {  # of each module; loaded at first use, so that `import parflex` is quick
     "analysis.mobility": "Mobility",
     "analysis.zero_dynamics": "OutputReport",
-    "base.errors": "DynamicSingularity ImplausibleValue InputError NoForeshortening NotConverged OutOfReach "
-    "PartialRun SingularPose",
+    "base.errors": "BeyondBasis DynamicSingularity ImplausibleValue InputError NoForeshortening NotConverged "
+    "OutOfReach PartialRun SingularPose",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "linear.figures": "compliance dynamic_stiffness transmissibility",

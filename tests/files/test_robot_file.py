@@ -330,7 +330,7 @@ def test_platform_files_that_fail(tmp_path):
     whole = xr.load_dataset(tmp_path / "whole.nc", engine="h5netcdf")
     for name in (MOMENTS | FIELDS).keys() & set(whole.variables):
         whole.drop_vars(name).to_netcdf(tmp_path / "p.nc", engine="h5netcdf")
-        optional = name in ("rotation_shapes", "triangles")
+        optional = name in ("rotation_shapes", "triangles", "band", "missed")
         words = "was altered" if optional else f"lacks {name};"
         with pytest.raises(pf.InputError, match=f"robot.toml:29: platform.file is p.nc, which {words}"):
             pf.load_robot(path)

@@ -31,6 +31,11 @@ class NoForeshortening(UserWarning):
     should soften it."""
 
 
+class BeyondBasis(UserWarning):
+    """A response is asked for where the platform's modes do not carry it: at a node whose static shapes they
+    lack, or at frequencies beyond half the highest free–free mode."""
+
+
 class PartialRun(UserWarning):
     """A simulation ended before its last output time; its result holds what was reached."""
 

@@ -49,6 +49,8 @@ FIELDS = {
     "attachments": (("attachment",), "1", "node numbers from 0 that legs may hold"),
     "foreshortening": (("attachment", AXIS, MODE, OTHER), "m-1 kg-1", "second-order displacement, of a link"),
     "triangles": (("triangle", "corner"), "1", "surface, node numbers from 0"),
+    "band": ((), "rad s-1", "highest free-free mode of the basis, where it is known"),
+    "missed": ((NODE,), "1", "share of the static compliance at each node that the modes lack"),
 }
 # values that modes hold beside a body; none of them is needed for a platform
 MODAL = {
@@ -60,7 +62,8 @@ MODAL = {
     "materials": (("material", "modulus"), "Pa, 1, kg m-3", "Young's modulus, Poisson's ratio, density"),
 }
 WHOLE = ("attachments", "triangles", "tool", "elements", "parts")
-OPTIONAL = ("rotation_shapes", "foreshortening", "triangles")
+UNKNOWN = ("frequency_error", "missed")  # estimates, which may be
+OPTIONAL = ("rotation_shapes", "foreshortening", "triangles", "band", "missed")
 
 
 def write_modes(
@@ -105,6 +108,8 @@ def read_modes(path: str | os.PathLike[str]) -> ComputedModes:
         source=str(data.attrs["source"]),
         notes=tuple(str(data.attrs["notes"]).splitlines()),
         tool=None if found["tool"] is None else int(found["tool"]),
+        band=body.band,
+        missed=body.missed,
         materials=materials,
         solid=None if found["elements"] is None else Solid(found["elements"], found["parts"], materials),
     )
@@ -205,7 +210,7 @@ def arrays_of(name: str, data: xr.Dataset) -> dict[str, Any]:
     """The arrays by name, None for those that are not there; only estimates may be unknown."""
     found = {field: data[field].values if field in data else None for field in MOMENTS | FIELDS | MODAL}
     for field, value in found.items():
-        if value is not None and field != "frequency_error" and not np.all(np.isfinite(value)):
+        if value is not None and field not in UNKNOWN and not np.all(np.isfinite(value)):
             raise InputError(f"file is {name}, whose {field} is not finite; write it again")
     return found
 
@@ -215,6 +220,7 @@ def body_of(found: dict[str, Any]) -> FlexibleBody:
     moments = Moments(float(found["m"]), *(found[field] for field in list(MOMENTS)[1:]))
     attachments = tuple(int(node) for node in found["attachments"])
     rest = {field: found[field] for field in FIELDS if field != "attachments"}
+    rest["band"] = None if found["band"] is None else float(found["band"])
     return FlexibleBody(moments, attachments=attachments, **rest)
 
 

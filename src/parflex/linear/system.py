@@ -17,6 +17,7 @@ from parflex.linear.handed_on import to_control, to_matlab
 from parflex.linear.matrices import Matrices
 from parflex.linear.modes import modes_of
 from parflex.linear.point import Point
+from parflex.linear.resolved import check_places
 from parflex.linear.response import response
 from parflex.linear.signal import Input, Output, Push, Rows
 from parflex.robot.words import counted
@@ -84,6 +85,7 @@ def linear_model(
     jump with the rate of an input.
     """
     robot = point.mechanism.robot
+    check_places(robot.platform, (*inputs, *outputs))
     names = []
     for signals, what in ((inputs, "inputs"), (outputs, "outputs")):
         for signal in signals:

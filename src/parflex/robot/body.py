@@ -30,8 +30,8 @@ class FlexibleBody:
     `nodes` (K, 3) m, `shapes` (N, K, 3) and `rotation_shapes` (N, K, 3) or None are in Σp, those of a link
     in its joint's frame; `attachments` are node numbers; `stiffness` and `damping` are the diagonals of K_ee
     and D_ee; `triangles` (T, 3) is a surface to draw. `foreshortening` (attachments, 3, N, N) is H of a
-    link's attachments, which move by Φ_d e + ½ eᵀ H e. Built by `from_nodes`, `from_modes`, `rigid` or
-    `beam`.
+    link's attachments, which move by Φ_d e + ½ eᵀ H e. `band` and `missed` are those of `Modes`. Built by
+    `from_nodes`, `from_modes`, `rigid` or `beam`.
     """
 
     moments: Moments
@@ -43,6 +43,8 @@ class FlexibleBody:
     attachments: tuple[int, ...]
     triangles: Array | None = None
     foreshortening: Array | None = None
+    band: float | None = None
+    missed: Array | None = None
 
     def __post_init__(self) -> None:
         count = len(self.nodes)
@@ -117,9 +119,8 @@ class FlexibleBody:
         chosen = attachment_nodes(modes.nodes, modes.corners if attachments is None else attachments)
         moments = shifted(modes.moments, o)
         stiffness, damping = modal_diagonals(moments, modes.frequencies, damping_ratio)
-        return FlexibleBody(
-            moments, nodes, modes.shapes, modes.rotations, stiffness, damping, chosen, modes.triangles
-        )
+        held = (stiffness, damping, chosen, modes.triangles, None, modes.band, modes.missed)
+        return FlexibleBody(moments, nodes, modes.shapes, modes.rotations, *held)
 
     @staticmethod
     def rigid(
@@ -184,6 +185,8 @@ class FlexibleBody:
             rotation_shapes=turned,
             stiffness=self.stiffness[kept],
             damping=self.damping[kept],
+            band=None,
+            missed=None,
             foreshortening=None
             if self.foreshortening is None
             else self.foreshortening[..., kept, :][..., kept],

@@ -15,7 +15,8 @@ class Modes:
     (N, K, 3) rad m⁻¹ kg^-½; frequencies (N,) rad/s and their estimated relative error (N,);
     corners are the node numbers held by default, `tool` is one more where there is one; `source` names
     the program that computed them, `notes` are what a reader of results must know; ids (K,) are the node
-    numbers of another program.
+    numbers of another program. Where it is known, `band` rad/s is the highest free–free mode, and missed (K,)
+    the share of the static compliance at each node that the modes lack, NaN of nodes where it is not known.
     """
 
     nodes: Array
@@ -30,6 +31,8 @@ class Modes:
     notes: tuple[str, ...] = ()
     ids: tuple[int, ...] = ()
     tool: int | None = None
+    band: float | None = None
+    missed: Array | None = None
 
     def __repr__(self) -> str:
         size = f"{counted(len(self.nodes), 'node')}, {counted(len(self.corners), 'corner')}"

@@ -14,7 +14,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -29,6 +29,7 @@ from parflex.fe.body.columns import independent_columns, left_out, orthonormal
 from parflex.fe.body.free_body import FreeBody
 from parflex.fe.body.integrals import by_node
 from parflex.fe.body.joints import Holding, places, with_places
+from parflex.fe.body.missed import missed_at_nodes
 from parflex.fe.body.response import static_response
 from parflex.fe.body.search import smallest
 from parflex.fe.body.solid import Solid
@@ -94,6 +95,8 @@ class Basis(ABC):
         if not 0 <= scalar("negligible", self.negligible) < 1:
             raise InputError(f"negligible is {self.negligible}; give a part of the largest compliance, 0 … 1")
 
+    static: ClassVar[bool] = False  # whether static shapes at the places are kept
+
     @abstractmethod
     def columns(self, body: FreeBody, held: tuple[Holding, ...]) -> Columns:
         """The elastic vectors, in any order and scale."""
@@ -127,6 +130,8 @@ class FreeFreeWithAttachment(Basis):
     those that would add less than `negligible` of the largest compliance of their kind there are left
     out, and named in the notes.
     """
+
+    static = True
 
     def columns(self, body: FreeBody, held: tuple[Holding, ...]) -> Columns:
         squares, vectors = body.free_modes(self.n)
@@ -222,6 +227,12 @@ def tabulated(reduction: Reduction, notes: tuple[str, ...]) -> ComputedModes:
         reduction=reduction,
     )
     found = with_places(own, [place.nodes for place in held], [place.point for place in held])
+    band = float(np.sqrt(body.free_modes(max(basis.n, 1))[0][max(basis.n, 1) - 1]))
+    missed = np.full(len(found.nodes), np.nan)
+    missed[: len(body.nodes)] = missed_at_nodes(body, vectors, squares)
+    if basis.static:
+        missed[list(found.corners)] = 0.0
+    found = replace(found, band=band, missed=missed)
     if basis.tool is None:
         return found
     return replace(found, corners=found.corners[:-1], tool=found.corners[-1])
