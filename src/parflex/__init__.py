@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         OutOfReach as OutOfReach,
         PartialRun as PartialRun,
         SingularPose as SingularPose,
+        UnstableEquilibrium as UnstableEquilibrium,
     )
     from parflex.export.export import export_c as export_c
     from parflex.files.robot_file import load_robot as load_robot
@@ -105,7 +106,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "analysis.mobility": "Mobility",
     "analysis.zero_dynamics": "OutputReport",
     "base.errors": "BeyondBasis DynamicSingularity ImplausibleValue InputError NoForeshortening NotConverged "
-    "OutOfReach PartialRun SingularPose",
+    "OutOfReach PartialRun SingularPose UnstableEquilibrium",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "linear.figures": "compliance dynamic_stiffness transmissibility",

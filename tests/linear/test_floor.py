@@ -15,6 +15,12 @@ from published_hexapods import cubic
 K, L, M, INERTIA = 1e6, 0.4, 10.0, (0.1, 0.1, 0.2)
 AXIS = np.array([0.6, 0.0, 0.8])
 
+# the systems are compared with other routes to the same numbers, wherever they are, however they grow
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.BeyondBasis"),
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.UnstableEquilibrium"),
+]
+
 
 def at_rest(robot, **given):
     model = pf.Model(robot)

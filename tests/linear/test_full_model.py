@@ -118,3 +118,12 @@ def test_files_keep_it(tmp_path):
     again = pf.fe.read_modes(pf.fe.write_modes(modes, tmp_path / "plate.nc"))
     assert again.band == modes.band
     assert np.array_equal(again.missed, modes.missed, equal_nan=True)
+
+
+def test_an_unstable_equilibrium_is_told_with_its_growth():
+    """The paper's robot under constant forces falls over; its largest real part is that of the poles."""
+    model = pf.Model(pf.robots.gough_stewart(2), "numpy")
+    lin = model.linearise(*model.equilibrium(*model.robot.home_pose))
+    growth = np.max(lin.poles.real)
+    with pytest.warns(pf.UnstableEquilibrium, match=f"a motion grows e-fold in {1 / growth:.3g} s"):
+        lin.frf([10.0])

@@ -3,12 +3,19 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 import parflex as pf
 from compliant import compliant
 from parflex.base.array import mv
 from parflex.mechanics.closure import displaced
 from parflex.model.core import core_of
+
+# the systems are compared with other routes to the same numbers, wherever they are, however they grow
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.BeyondBasis"),
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.UnstableEquilibrium"),
+]
 
 
 def at_rest(robot):

@@ -48,6 +48,12 @@ def robots():
 
 ROBOTS = dict(robots())
 
+# the systems are compared with other routes to the same numbers, wherever they are, however they grow
+pytestmark = [
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.BeyondBasis"),
+    pytest.mark.filterwarnings("ignore::parflex.base.errors.UnstableEquilibrium"),
+]
+
 
 @pytest.mark.parametrize("name", ROBOTS)
 def test_slopes_are_those_of_the_direct_model(name):

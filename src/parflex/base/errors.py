@@ -36,6 +36,10 @@ class BeyondBasis(UserWarning):
     lack, or at frequencies beyond half the highest free–free mode."""
 
 
+class UnstableEquilibrium(UserWarning):
+    """A response is asked for about an equilibrium that a small push ends: it is none that is ever seen."""
+
+
 class PartialRun(UserWarning):
     """A simulation ended before its last output time; its result holds what was reached."""
 

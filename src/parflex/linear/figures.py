@@ -11,7 +11,7 @@ from parflex.base.check import of_type
 from parflex.linear.inputs import BaseAcceleration, NodeWrench
 from parflex.linear.outputs import FramePose, NodeMotion
 from parflex.linear.point import moved_with
-from parflex.linear.resolved import check_band
+from parflex.linear.resolved import check_meant
 from parflex.linear.response import frequencies, labelled, loss, parted
 from parflex.linear.system import LinearModel, linear_model
 
@@ -72,7 +72,7 @@ def transmissibility(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.
 
     def arrived(omega: ArrayLike, structural: float = 0.0) -> Any:
         w, eta = frequencies(omega), loss(structural)
-        check_band(lin.point.mechanism.robot.platform, w)
+        check_meant(system, w)
         by_value, by_turn, turns = parted(system, w, eta)
         found = carried[..., None] - w**2 * by_value + np.einsum("obw,br->orw", by_turn, turns)
         units = FramePose().units(lin.point.mechanism.robot)

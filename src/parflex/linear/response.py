@@ -10,7 +10,7 @@ from parflex.base.array import Array
 from parflex.base.check import finite
 from parflex.base.errors import InputError
 from parflex.linear.matrices import Matrices
-from parflex.linear.resolved import check_band
+from parflex.linear.resolved import check_meant
 
 SAME = 1e-11  # of the largest response: how well modes must give what is solved for
 
@@ -18,7 +18,7 @@ SAME = 1e-11  # of the largest response: how well modes must give what is solved
 def response(lin: Matrices, omega: ArrayLike, structural: float) -> Any:
     """The DataArray of `LinearModel.frf`."""
     w, eta = frequencies(omega), loss(structural)
-    check_band(lin.point.mechanism.robot.platform, w)
+    check_meant(lin, w)
     names = (lin.outputs, lin.inputs, lin.output_units, lin.input_units)
     return labelled(responses(lin, w, eta), w, "frf", *names)
 

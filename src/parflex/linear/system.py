@@ -85,7 +85,6 @@ def linear_model(
     jump with the rate of an input.
     """
     robot = point.mechanism.robot
-    check_places(robot.platform, (*inputs, *outputs))
     names = []
     for signals, what in ((inputs, "inputs"), (outputs, "outputs")):
         for signal in signals:
@@ -95,6 +94,7 @@ def linear_model(
             twice = next(label for label in labels if labels.count(label) > 1)
             raise InputError(f"{what} name {twice} twice; name each once")
         names.append((tuple(labels), tuple(unit for signal in signals for unit in signal.units(robot))))
+    check_places(robot.platform, (*inputs, *outputs))
     d, m = point.T.shape[1], len(point.forces)
     pushes = Push(*side_by_side([signal.push(point) for signal in inputs], [d, d, d, m, m, 6, 6], axis=1))
     rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], [d, d, d, m, 6], axis=0))
