@@ -30,6 +30,10 @@ if TYPE_CHECKING:
     )
     from parflex.export.export import export_c as export_c
     from parflex.files.robot_file import load_robot as load_robot
+    from parflex.linear.contact import (
+        ContactForces as ContactForces,
+        Strain as Strain,
+    )
     from parflex.linear.figures import (
         compliance as compliance,
         dynamic_stiffness as dynamic_stiffness,
@@ -109,6 +113,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "OutOfReach PartialRun SingularPose UnstableEquilibrium",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
+    "linear.contact": "ContactForces Strain",
     "linear.figures": "compliance dynamic_stiffness transmissibility",
     "linear.inputs": "Actuators BaseAcceleration NodeWrench Reference",
     "linear.lobes": "stability_lobes",

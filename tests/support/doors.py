@@ -37,7 +37,7 @@ GAMMA = np.full(6, 10.0)
 WAY = pf.Trajectory.through(HOME, [((0.0, 0, 0.01), (0, 0, 0))], 1.0)
 BAR = pf.Bar(mass=1.0, length=0.5)
 STANDING, HELD = MODEL.equilibrium(*ROBOT.home_pose)
-LIN = MODEL.linearise(STANDING, HELD)
+LIN = MODEL.linearise(STANDING, HELD, controller="locked")
 TOOL = pf.compliance(LIN, 0)(np.linspace(10.0, 1e4, 50))
 BATCH = pf.State(np.zeros((2, 3)), UP, elastic=[0.0])
 ANOTHER = pf.State(HOME.position, UP, elastic=np.zeros(9))  # of a robot of nine modes
@@ -396,6 +396,14 @@ DOORS: dict[str, Door] = {
     "LinearModel.frf": Door(LIN.frf, {"omega": OMEGA, "structural": number(0.0, more={"negative": -1.0})}),
     "LinearModel.to_control": Door(LIN.to_control, {"omega": array([10.0, 20.0], none=True)}),
     "BaseAcceleration": Door(pf.BaseAcceleration, {}),
+    "ContactForces": Door(pf.ContactForces, {}),
+    "Strain": Door(
+        pf.Strain,
+        {
+            "shapes": array([[1.0, 2.0]], shape=False),
+            "unit": other("MPa", number=1, nothing=None, list=["Pa"]),
+        },
+    ),
     "compliance": Door(pf.compliance, {"lin": thing(LIN)} | AT_NODE),
     "transmissibility": Door(pf.transmissibility, {"lin": thing(LIN)} | AT_NODE),
     "dynamic_stiffness": Door(pf.dynamic_stiffness, {"lin": thing(LIN)} | AT_NODE),

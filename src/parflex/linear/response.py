@@ -19,6 +19,8 @@ def response(lin: Matrices, omega: ArrayLike, structural: float) -> Any:
     """The DataArray of `LinearModel.frf`."""
     w, eta = frequencies(omega), loss(structural)
     check_meant(lin, w)
+    if eta and any(name.startswith("contact[") for name in lin.outputs):
+        raise InputError("structural damping is not known of contact forces; observe StrutForce, or take 0")
     names = (lin.outputs, lin.inputs, lin.output_units, lin.input_units)
     return labelled(responses(lin, w, eta), w, "frf", *names)
 

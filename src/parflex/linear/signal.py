@@ -24,16 +24,19 @@ class Push(NamedTuple):
     forces_by_rate: Array  # (m, r), by u̇
     felt: Array  # (6, r), by u, linear and angular, in Σ0
     felt_by_integral: Array  # (6, r), by ∬u
+    load: Array  # (6 + N, r), the load on the platform by u
 
 
 class Rows(NamedTuple):
-    """The rows of o outputs: y = P ζ + R ζ̇ + Q ζ̈ + G Γ + F a_b, with the felt acceleration of the base."""
+    """The rows of o outputs: y = P ζ + R ζ̇ + Q ζ̈ + G Γ + F a_b + L w, with the felt acceleration of the base
+    and the load w on the platform."""
 
     place: Array  # (o, d)
     rate: Array  # (o, d)
     acceleration: Array  # (o, d)
     forces: Array  # (o, m)
     felt: Array  # (o, 6)
+    load: Array  # (o, 6 + N)
 
 
 @dataclass(frozen=True)
@@ -71,9 +74,20 @@ class Output(Signal):
 
 def push_parts(count: int, point: Point, **parts: Array) -> Push:
     """A push of r inputs of which some parts are given, and others zero."""
-    d, m = point.T.shape[1], len(point.forces)
-    none = Push(*(np.zeros((rows, count)) for rows in (d, d, d, m, m, 6, 6)))
+    none = Push(*(np.zeros((rows, count)) for rows in push_lengths(point)))
     return none._replace(**parts)
+
+
+def push_lengths(point: Point) -> tuple[int, ...]:
+    """The lengths of the columns of the parts of a push."""
+    d, m, n = point.T.shape[1], len(point.forces), 6 + point.mechanism.platform.modes
+    return (d, d, d, m, m, 6, 6, n)
+
+
+def row_lengths(point: Point) -> tuple[int, ...]:
+    """The lengths of the parts of rows."""
+    d = point.T.shape[1]
+    return (d, d, d, len(point.forces), 6, 6 + point.mechanism.platform.modes)
 
 
 def along_joints(point: Point, forces: Array, by_rate: Array | None = None) -> Push:
@@ -86,7 +100,7 @@ def along_joints(point: Point, forces: Array, by_rate: Array | None = None) -> P
 
 def on_platform(point: Point, load: Array) -> Push:
     """The push of loads (6 + N, r) on the platform."""
-    return push_parts(load.shape[1], point, by_value=point.pushed(load=load))
+    return push_parts(load.shape[1], point, by_value=point.pushed(load=load), load=load)
 
 
 def row_parts(
@@ -96,10 +110,11 @@ def row_parts(
     acceleration: Array | None = None,
     forces: Array | None = None,
     felt: Array | None = None,
+    load: Array | None = None,
 ) -> Rows:
     """Rows of which some parts are given, and others zero."""
-    parts = (place, rate, acceleration, forces, felt)
+    parts = (place, rate, acceleration, forces, felt, load)
     count = next(len(part) for part in parts if part is not None)
-    widths = [point.T.shape[1]] * 3 + [len(point.forces), 6]
+    widths = row_lengths(point)
     found = (np.zeros((count, n)) if part is None else part for part, n in zip(parts, widths, strict=True))
     return Rows(*found)

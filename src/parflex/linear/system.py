@@ -19,7 +19,7 @@ from parflex.linear.modes import modes_of
 from parflex.linear.point import Point
 from parflex.linear.resolved import check_places
 from parflex.linear.response import response
-from parflex.linear.signal import Input, Output, Push, Rows
+from parflex.linear.signal import Input, Output, Push, Rows, push_lengths, row_lengths
 from parflex.robot.words import counted
 
 
@@ -95,9 +95,8 @@ def linear_model(
             raise InputError(f"{what} name {twice} twice; name each once")
         names.append((tuple(labels), tuple(unit for signal in signals for unit in signal.units(robot))))
     check_places(robot.platform, (*inputs, *outputs))
-    d, m = point.T.shape[1], len(point.forces)
-    pushes = Push(*side_by_side([signal.push(point) for signal in inputs], [d, d, d, m, m, 6, 6], axis=1))
-    rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], [d, d, d, m, 6], axis=0))
+    pushes = Push(*side_by_side([signal.push(point) for signal in inputs], push_lengths(point), axis=1))
+    rows = Rows(*side_by_side([signal.rows(point) for signal in outputs], row_lengths(point), axis=0))
     A, B, C, D, base = state_space(point, pushes, rows, feedback)
     (of_inputs, input_units), (of_outputs, output_units) = names
     words = (of_inputs, of_outputs, input_units, output_units)
@@ -133,7 +132,8 @@ def state_space(
     if feedback is not None:
         by_place = by_place + forces @ feedback.forces_by_place
         by_rate = by_rate + forces @ feedback.forces_by_rate
-    through = by_rate @ B_t + rows.acceleration @ B + forces @ pushes.forces + rows.felt @ pushes.felt
+    through = by_rate @ B_t + rows.acceleration @ B + forces @ pushes.forces
+    through = through + rows.felt @ pushes.felt + rows.load @ pushes.load
     out = np.concatenate([by_place, by_rate], axis=1)
     if len(integrals):
         A, into, out = feedback_states(A, into, out, rows, feedback)
