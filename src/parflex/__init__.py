@@ -64,6 +64,10 @@ if TYPE_CHECKING:
         PointOutput as PointOutput,
     )
     from parflex.model.flat import Compiled as Compiled
+    from parflex.model.frequencies import (
+        Frequencies as Frequencies,
+        natural_frequencies as natural_frequencies,
+    )
     from parflex.model.model import Model as Model
     from parflex.model.results import (
         Accelerations as Accelerations,
@@ -124,6 +128,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "mechanics.ordering": "Joints",
     "mechanics.output": "FrameOutput JointOutput Output PointOutput",
     "model.flat": "Compiled",
+    "model.frequencies": "Frequencies natural_frequencies",
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
     "robot.bar": "Bar",

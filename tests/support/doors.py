@@ -397,6 +397,12 @@ DOORS: dict[str, Door] = {
     "LinearModel.to_control": Door(LIN.to_control, {"omega": array([10.0, 20.0], none=True)}),
     "BaseAcceleration": Door(pf.BaseAcceleration, {}),
     "ContactForces": Door(pf.ContactForces, {}),
+    "natural_frequencies": Door(
+        pf.natural_frequencies,
+        {"model": thing(MODEL), "state": thing(STANDING, another=ANOTHER, word="state|State.elastic")}
+        | {"forces": array(HELD), "count": other(6, zero=0, **BAD, **NONE), "damped": flag()}
+        | {"controller": other(None, text="stiff", number=1, list=["locked"])},
+    ),
     "Strain": Door(
         pf.Strain,
         {

@@ -28,6 +28,17 @@ def feedback_of(point: Point, controller: Any) -> Feedback:
     Raises InputError for one without.
     """
     m = len(point.forces)
+    kp, kd, ki = gains_of(controller, m)
+    S, B = actuated_rows(point.mechanism) @ point.T, point.pushed(forces=np.eye(m))
+    integrated = np.flatnonzero(ki)
+    by_place, by_rate, by_integrals = -kp[:, None] * S, -kd[:, None] * S, -np.diag(ki)[:, integrated]
+    return Feedback(
+        B @ by_place, B @ by_rate, S[integrated], B @ by_integrals, by_place, by_rate, by_integrals
+    )
+
+
+def gains_of(controller: Any, m: int) -> tuple[Array, Array, Array]:
+    """kp, kd and ki (m,) of a controller; raises InputError for one without."""
     if not all(hasattr(controller, name) for name in ("kp", "kd")):
         named = repr(controller) if isinstance(controller, str) else type(controller).__name__
         raise InputError(
@@ -35,9 +46,4 @@ def feedback_of(point: Point, controller: Any) -> Feedback:
             f'Servo, or "locked" for motors that stand still'
         )
     kp, kd, ki = (np.asarray(getattr(controller, name, 0.0)) + np.zeros(m) for name in ("kp", "kd", "ki"))
-    S, B = actuated_rows(point.mechanism) @ point.T, point.pushed(forces=np.eye(m))
-    integrated = np.flatnonzero(ki)
-    by_place, by_rate, by_integrals = -kp[:, None] * S, -kd[:, None] * S, -np.diag(ki)[:, integrated]
-    return Feedback(
-        B @ by_place, B @ by_rate, S[integrated], B @ by_integrals, by_place, by_rate, by_integrals
-    )
+    return kp, kd, ki
