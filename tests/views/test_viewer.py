@@ -311,6 +311,7 @@ def test_what_is_no_result_is_refused_in_a_sentence(tmp_path, content, words):
 
 def test_what_is_no_result():
     with pytest.raises(
-        pf.InputError, match="result is Robot; give the Result of a run, or the path of its file"
+        pf.InputError,
+        match="result is Robot; give the Result of a run, the path of its file, or the linear system",
     ):
         pf.view(pf.robots.rps3())

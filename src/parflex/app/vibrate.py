@@ -1,5 +1,6 @@
 """The command that tells where a robot resonates."""
 
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,12 +11,13 @@ from rich.markup import escape
 from parflex.app.commands import RobotPath, table_of
 from parflex.app.terminal import ImageFormat, Out, check_format, check_writable, console
 from parflex.base.errors import InputError
+from parflex.simulation.holding import MOTORS, growth, held, row_of, swinging
 
 if TYPE_CHECKING:
     from parflex.linear.system import LinearModel
     from parflex.model.model import Model
+    from parflex.views.viewer import View
 
-MOTORS = ("auto", "locked", "springs", "servo")
 DRAWN = 6  # modes that have a picture
 HEADS = ("mode", "frequency (Hz)", "damping (%)", "platform", "legs", "drives", "other")
 
@@ -41,7 +43,7 @@ def vibrate(
 
     Examples:
 
-    `parflex vibrate robot.toml` - a table, modes.nc and a picture of each of the lowest modes
+    `parflex vibrate robot.toml` - a table, modes.nc, pictures, and a page in which it swings
 
     `parflex vibrate robot.toml --motors servo` - the same while the legs' servos hold it
     """
@@ -61,54 +63,26 @@ def vibrate(
     model = Model(file.robot, "numpy")
     how, lin = held(model, motors)
     found = lin.modes()
-    swinging = np.flatnonzero(found.pole_imag.values > 1e-3 * np.abs(found.pole_real.values))
-    console.print(table_of(HEADS, [row_of(found, i) for i in swinging[:count]]))
-    console.print(escape(sentence(found, swinging, how)))
+    which = swinging(found)
+    console.print(table_of(HEADS, [row_of(found, i) for i in which[:count]]))
+    console.print(escape(sentence(found, which, how)))
     target = out / "modes.nc"
     saved(found, target)
-    drawn = {f"mode_{i + 1}": picture(model, lin, found, i) for i in swinging[:DRAWN]}
+    drawn = {f"mode_{i + 1}": picture(model, lin, found, i) for i in which[:DRAWN]}
     names = ", ".join(path.name for path in plot.save(drawn, out, image))
     console.print(f"[bold]{escape(str(target))}[/] holds all modes; pictures: {names or 'none'}")
+    if len(which) and find_spec("k3d"):
+        shown = page(lin, (robot.name, how)).save(out / "modes.html")
+        console.print(f"[bold]{escape(str(shown))}[/] shows the robot swing in them; open it in any browser")
 
 
-def held(model: "Model", motors: str) -> tuple[str, "LinearModel"]:
-    """The words for how the motors hold the robot, and its linear system about the equilibrium at home."""
-    if motors == "auto":
-        sprung = [joint.k > 0 for leg in model.robot.legs for joint in leg.joints if joint.mu]
-        found = held(model, "springs" if sprung and all(sprung) else "locked")
-        return found if len(found[1].A) else held(model, "servo")
-    state, forces = model.equilibrium(*model.robot.home_pose)
-    controller: Any = None if motors == "springs" else "locked"
-    if motors == "servo":
-        from parflex.simulation.laws.servo import Servo
-        from parflex.simulation.moves.hold import Hold
-        from parflex.simulation.trajectory import Trajectory
-
-        controller = Servo(model, Trajectory.of(model.robot.home, [Hold(1.0)]))
-    words = {
-        "springs": "on its motors' springs",
-        "locked": "on locked motors",
-        "servo": "on its legs' servos",
-    }
-    return words[motors], model.linearise(state, forces, controller=controller)
-
-
-def row_of(found: Any, i: int) -> tuple[str, ...]:
-    """The cells of a mode."""
-    mode = found.isel(mode=i)
-    shares = (f"{100 * share:.0f} %" if np.isfinite(share) else "" for share in mode.share.values)
-    return (str(int(mode.mode)), f"{float(mode.frequency):.5g}", f"{100 * float(mode.damping):.3g}", *shares)
-
-
-def sentence(found: Any, swinging: Any, how: str) -> str:
+def sentence(found: Any, which: Any, how: str) -> str:
     """The first resonance, where its energy is, and whether the robot grows unstable, in a sentence."""
-    growing = float(np.max(found.growth.values, initial=0.0))
-    words = ""
-    if growing > 1e-6 * 2 * np.pi * float(np.max(found.frequency.values, initial=0.0)):
-        words = f"unstable {how}: a motion grows e-fold in {1 / growing:.3g} s; "
-    if not len(swinging):
+    growing = growth(found)
+    words = f"unstable {how}: a motion grows e-fold in {1 / growing:.3g} s; " if growing else ""
+    if not len(which):
         return f"{words}nothing swings {how}"
-    first = found.isel(mode=swinging[0])
+    first = found.isel(mode=which[0])
     text = f"{words}the machine first resonates at {float(first.frequency):.4g} Hz {how}"
     share = first.share.values
     if np.all(np.isfinite(share)):
@@ -126,17 +100,24 @@ PARTS = {
 
 
 def picture(model: "Model", lin: "LinearModel", found: Any, i: int) -> Any:
-    """The robot displaced along a mode, as far as its largest deflection is a twelfth of its size."""
+    """The robot displaced along a mode, as far as its largest displacement is a twelfth of its size."""
     from parflex.mechanics.closure import displaced
     from parflex.model.core import core_of
     from parflex.views import plot
     from parflex.views.sketch import sketch
+    from parflex.views.viewer.swing_frames import frames_of, largest_motions
 
     core, mode = core_of(model), found.isel(mode=i)
-    body, shape = core.mechanism.platform.body, mode.shape.values
-    moved = shape[:3] + np.cross(shape[3:6], body.nodes)
-    bend = np.einsum("n,nka->ka", shape[6 : 6 + body.modes], body.shapes)
-    largest = float(np.max(np.linalg.norm(moved + bend, axis=-1)))
-    step = body.size / 12 / largest * shape
+    shape, size = mode["shape"].values, model.robot.platform.size
+    [largest] = largest_motions(lin, frames_of(lin, shape[None]))
+    step = size / 12 / largest * shape
     state = core.state(displaced(core.mechanism, lin.point.x, step))
     return plot.robot_at(sketch(model, state, 1.0), f"mode {i + 1}, {float(mode.frequency):.4g} Hz")
+
+
+def page(lin: "LinearModel", facts: tuple[str, ...]) -> "View":
+    """The robot swinging in its modes."""
+    from parflex.views.viewer.page import View, swinging_page
+    from parflex.views.viewer.swings import modes_as_swings
+
+    return View(swinging_page(modes_as_swings(lin, facts)))

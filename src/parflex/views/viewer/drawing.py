@@ -15,6 +15,7 @@ Ids = tuple[Any, dict[str, int], list[list[int]]]
 
 PLAIN = 0xBFD7E8
 GRID = 0xC9D1D9
+PALE = 0x8A97A5
 VIEW = np.array([0.62, -1.25, 0.62])  # from where to look, times the size of what is seen
 
 
@@ -48,7 +49,9 @@ def drawn(scene: Scene) -> Ids:
     )
     plates = {name: plate(library, scene.platform, each) for name, each in scene.colourings.items()}
     parts = [[solid(library, part, each) for each in part.solids] for part in scene.parts]
-    for each in [*plates.values(), *(one for part in parts for one in part), ground(library, scene.bounds)]:
+    pale = ghost(library, scene) if scene.still else []
+    solids = [one for part in parts for one in part]
+    for each in [*plates.values(), *solids, *pale, ground(library, scene.bounds)]:
         plot += each
     plot.camera = camera(scene.bounds)
     return (
@@ -97,6 +100,37 @@ def solid(library: Any, part: Part, shape: Solid) -> Any:
         roughness=0.6,
         model_matrix=place.astype(np.float32),
     )
+
+
+def ghost(library: Any, scene: Scene) -> list[Any]:
+    """The robot at the first instant as lines: its legs, and the edges of its platform."""
+    lines = list(scene.arrays["leg_path"][0]) if "leg_path" in scene.arrays else []
+    if scene.platform.triangles is not None:
+        R, p = scene.arrays["rotation"][0], scene.arrays["position"][0]
+        lines += list((scene.platform.nodes @ R.T + p)[edges(scene.platform)])
+    ends = [np.stack([line[:-1], line[1:]], axis=1).reshape(-1, 3) for line in lines]
+    if not ends:
+        return []
+    points = np.concatenate(ends).astype(np.float32)
+    pairs = np.arange(len(points), dtype=np.uint32).reshape(-1, 2)
+    kind = {"indices_type": "segment", "shader": "simple"}
+    return [library.lines(points, pairs, color=PALE, name="at rest", **kind)]
+
+
+def edges(platform: Platform) -> Array:
+    """The edges (e, 2) of a surface: where it ends, and where it turns by more than 30 degrees."""
+    assert platform.triangles is not None, "nodes alone have no edges"
+    t, nodes = platform.triangles, platform.nodes
+    normals = np.cross(nodes[t[:, 1]] - nodes[t[:, 0]], nodes[t[:, 2]] - nodes[t[:, 0]])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    every = np.sort(np.concatenate([t[:, [0, 1]], t[:, [1, 2]], t[:, [2, 0]]]), axis=1)
+    pairs, which, counts = np.unique(every, axis=0, return_inverse=True, return_counts=True)
+    order = np.argsort(which.ravel(), kind="stable")
+    first = np.cumsum(counts) - counts
+    one, other = (np.tile(np.arange(len(t)), 3)[order][first + k] for k in (0, np.minimum(counts, 2) - 1))
+    turned = np.abs(np.sum(normals[one] * normals[other], axis=1)) < np.cos(np.pi / 6)
+    found: Array = pairs[(counts == 1) | turned]
+    return found
 
 
 def ground(library: Any, bounds: Array) -> Any:

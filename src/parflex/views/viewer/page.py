@@ -5,6 +5,7 @@ import html
 import json
 import os
 import zlib
+from collections.abc import Sequence
 from importlib import resources
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,18 @@ from jinja2 import Environment
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.base.writing import replacing
+from parflex.linear.system import LinearModel
+from parflex.robot.wrench import Wrench
 from parflex.simulation.result import Result
 from parflex.simulation.summary import scope_of
 from parflex.views import plot
 from parflex.views.viewer.drawing import drawn
+from parflex.views.viewer.loads import load_as_swing
 from parflex.views.viewer.opening import Opened, judged, opened, showing
 from parflex.views.viewer.scene import MOST_INSTANTS, Scene, scene_of
 from parflex.views.viewer.stress import with_stress
+from parflex.views.viewer.swing_page import body_of, swinging_scene
+from parflex.views.viewer.swings import Swings, modes_as_swings
 
 SPEEDS = (0.02, 0.05, 0.1, 0.25, 0.5, 1, 2, 5)
 CANVAS = '<div id="canvasTarget"></div>'  # where K3D draws, in its snapshot and in our page
@@ -50,10 +56,11 @@ class View:
 
 
 def view(
-    result: Result | str | os.PathLike[str],
+    result: Result | LinearModel | str | os.PathLike[str],
     *,
     curves: bool = True,
     modes: str | os.PathLike[str] | None = None,
+    wrenches: Sequence[Wrench] = (),
 ) -> View:
     """The robot of a result, or of a file that `Result.save` wrote, moving in a page.
 
@@ -62,12 +69,24 @@ def view(
     file of a platform with elements, lets it be coloured by von Mises stress. What a file lacks
     is said in it.
 
-    Raises InputError where a file cannot be read, modes are of another platform, or k3d is not installed.
+    Of a linear system, `model.linearise(…)`, the page shows the robot as it swings in each of its modes,
+    beside the table of them; with `wrenches`, the robot as it gives under a static load, by its stiffness
+    about the equilibrium.
+
+    Raises InputError where a file cannot be read, modes are of another platform, k3d is not installed, a
+    load has no deflection since nothing holds the robot, or an argument does not go with the others.
     """
+    if isinstance(result, LinearModel):
+        if modes is not None:
+            raise InputError("modes colour a result by stress; a linear system has its own: leave them out")
+        return View(swinging_page(load_as_swing(result, wrenches) if wrenches else modes_as_swings(result)))
     if not isinstance(result, Result | str | os.PathLike):
         raise InputError(
-            f"result is {type(result).__name__}; give the Result of a run, or the path of its file"
+            f"result is {type(result).__name__}; give the Result of a run, the path of its file, or the "
+            f"linear system of a robot, model.linearise(…)"
         )
+    if wrenches:
+        raise InputError("wrenches load a linear system, model.linearise(…); a result has its own")
     found = judged(result.dataset) if isinstance(result, Result) else opened(Path(result))
     name = "" if isinstance(result, Result) else Path(result).name
     if modes is not None:
@@ -89,9 +108,20 @@ def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "",
     }
     if scene is None:
         return page_around(EMPTY.replace("<head>", f"<head>{AGAIN}") if live else EMPTY, body, "")
+    return moving(scene, body, {"live": live, "stamp": stamp})
+
+
+def swinging_page(told: Swings) -> str:
+    """The page of small motions of a robot."""
+    return moving(swinging_scene(told), {"speeds": SPEEDS, "meta": None} | body_of(told), {})
+
+
+def moving(scene: Scene, body: dict[str, Any], more: dict[str, Any]) -> str:
+    """The page of a scene."""
     snapshot, ids, parts = drawn(scene)
     layout, data = packed(scene.arrays)
-    meta = scene.meta | {
+    meta = {"swings": [], "live": "", "stamp": ""} | scene.meta | more
+    meta |= {
         "plates": ids,
         "parts": [part.moves | {"ids": own} for part, own in zip(scene.parts, parts, strict=True)],
         "colourings": {key: each.for_page() for key, each in scene.colourings.items()},
@@ -99,10 +129,9 @@ def page_of(result: Opened, name: str = "", curves: bool = True, live: str = "",
         "arrays": layout,
         "speed": 1,
         "playing": True,
-        "live": live,
-        "stamp": stamp,
     }
-    code = f"(async (K3D) => {{\n{ours('viewer.js')}\n}})(K3DInstance).catch(window.parflexFailed);"
+    script = f"{ours('swings.js')}\n{ours('viewer.js')}"
+    code = f"(async (K3D) => {{\n{script}\n}})(K3DInstance).catch(window.parflexFailed);"
     return page_around(snapshot.get_snapshot(additional_js_code=code), body | {"meta": meta}, data)
 
 

@@ -192,3 +192,21 @@ def on_base(legs: Legs, shape: Solid, colour: int, place: Array) -> Part:
 def arrow(attachment: int, width: float) -> Part:
     """A force at an attachment: shaft and head."""
     return Part((cylinder(), cone()), FORCE, {"kind": "arrow", "at": attachment, "width": width})
+
+
+def borne_arrow(start: Array, way: Array, width: float, moved: Array) -> list[Part]:
+    """A force along a way (3,) m from a point, which moves by (3,) m at the amplitude 1: shaft and head."""
+    length = float(np.linalg.norm(way))
+    z = way / length
+    x = np.cross(z, [1.0, 0, 0] if abs(z[0]) < 0.9 else [0, 1.0, 0])
+    x /= np.linalg.norm(x)
+    head = min(0.5 * length, 4 * width)
+    found = []
+    for shape, wide, long, place in (
+        (cylinder(), width, length - head, start),
+        (cone(), 2.4 * width, head, start + (length - head) * z),
+    ):
+        columns = np.stack([wide * x, wide * np.cross(z, x), long * z])
+        moves = {"kind": "borne", "columns": columns.tolist(), "place": place.tolist()}
+        found.append(Part((shape,), FORCE, moves | {"moved": moved.tolist()}))
+    return found

@@ -38,6 +38,7 @@ class Scene(NamedTuple):
     arrays: dict[str, Array]
     meta: dict[str, Any]
     bounds: Array  # (2, 3) m, of all that moves
+    still: bool = False  # True where the robot at the first instant is seen, pale, beside the one that moves
 
 
 def scene_of(result: Opened) -> Scene | None:

@@ -11,6 +11,7 @@ const count = meta.instants;
 const state = {
   time: meta.start, playing: meta.playing, speed: meta.speed, scale: meta.scale, colouring: meta.colouring,
   mode: 0, phase: 0, legs: true, forces: true, frames: 0, firstPicture: null,
+  swing: 0, amplitude: 1,
 };
 
 // --- data between the instants
@@ -29,6 +30,7 @@ function lookup(time) {
 }
 
 function values(name, { i, j, f }) {
+  if (meta.swings.length) return swung(name);
   const all = array[name], width = all.length / count;
   const out = new Float64Array(width);
   for (let k = 0; k < width; k++) {
@@ -186,6 +188,9 @@ const placers = {
   solid(part, points, axes) {
     along(part.ids[0], row3(points, part.at), row3(axes, part.at), part.width, part.width);
   },
+  borne(part) {
+    put(part.ids[0], part.columns, add(part.place, part.moved, swungBy().real));
+  },
   carried(part, points, axes, now) {
     const R = values("base_rotation", now), base = values("base_position", now);
     const [x, y, z, place] = [0, 1, 2, 3].map((c) => turned(R, [0, 4, 8].map((r) => part.place[r + c])));
@@ -229,7 +234,11 @@ function draw() {
     scale = meta.shown / meta.modePeaks[state.mode - 1].magnitude;
   } else {
     q = meta.modes ? values("elastic", now) : new Float64Array(0);
-    drawLegs(now, R, scale);
+    if (meta.swings.length) {
+      scale = state.amplitude;
+      largest = meta.swings[state.swing].peaks[state.colouring] ?? null;
+    }
+    drawLegs(now, R, meta.swings.length ? 1 : scale);
     drawForces(now, R, scale);
   }
   const bend = drawPlatform(place, R, q, scale, largest);
@@ -249,6 +258,7 @@ function tell(bends, largest) {
     ? `mode ${state.mode}: ${meta.frequencies[state.mode - 1]}`
     : `t = ${state.time.toFixed(meta.digits)} s`;
   element("largest").textContent = alone || !meta.bends ? "" : `largest deformation ${(1e3 * most).toFixed(2)} mm`;
+  if (meta.swings.length) tellSwing();
   element("slider").value = state.time;
   const part = (state.time - meta.start) / (meta.end - meta.start || 1);
   for (const cursor of document.querySelectorAll(".cursor")) {
@@ -260,15 +270,17 @@ function tell(bends, largest) {
 
 function legend(largest) {
   const of = meta.colourings[state.colouring];
-  element("legend").hidden = state.colouring === "plain" || of.high === 0;
+  element("legend").hidden = state.colouring === "plain" || (of.high === 0 && !meta.swings.length);
   const { low, high } = range(largest), relative = largest !== null;
-  const shown = (value) => (relative ? value / largest : value * of.factor).toPrecision(3);
-  const text = [shown(high), shown(low), of.words + (relative ? ", relative" : ` (${of.units})`)].join();
+  const swing = meta.swings.length ? swingLegend(of) : null;
+  const shown = (value) => (value * (swing?.factor ?? (relative ? 1 / largest : of.factor))).toPrecision(3);
+  const words = of.words + (swing?.words ?? (relative ? ", relative" : ` (${of.units})`));
+  const text = [shown(high), shown(low), words].join();
   if (legend.text === text) return;
   legend.text = text;
   element("legend-high").textContent = shown(high);
   element("legend-low").textContent = shown(low);
-  element("legend-words").textContent = of.words + (relative ? ", relative" : ` (${of.units})`);
+  element("legend-words").textContent = words;
   element("legend-bar").style.background = `linear-gradient(to top, ${of.colours.join(",")})`;
 }
 
@@ -301,6 +313,7 @@ control("speed", "change", (at) => { state.speed = +at.value; });
 control("scale", "input", (at) => { state.scale = meta.scales[+at.value]; sayScale(); });
 control("colouring", "change", (at) => { state.colouring = at.value; });
 control("motion", "change", (at) => { state.mode = +at.value; if (state.mode) play(true); });
+control("amplitude", "input", (at) => { state.amplitude = +at.value; });
 control("legs", "change", (at) => { state.legs = at.checked; });
 control("forces", "change", (at) => { state.forces = at.checked; });
 for (const curve of document.querySelectorAll(".curve")) {
@@ -313,6 +326,7 @@ for (const curve of document.querySelectorAll(".curve")) {
 }
 document.addEventListener("keydown", (e) => {
   if (["INPUT", "SELECT", "BUTTON"].includes(e.target.tagName) && e.target.id !== "slider") return;
+  if (meta.swings.length && swingKey(e)) return;
   const step = { ArrowRight: 1, ArrowLeft: -1 }[e.key];
   if (step) { e.preventDefault(); go(array.time[Math.min(count - 1, Math.max(0, lookup(state.time).i + step))]); }
   if (e.key === " ") { e.preventDefault(); element("play").click(); }
@@ -389,13 +403,14 @@ async function payload() {
 }
 
 // what tests, and scripts of one's own, may ask
-window.parflex = { state, meta, array, plates, parts, go, play, draw, bending, K3D };
+window.parflex = { state, meta, array, plates, parts, go, play, draw, bending, choose, K3D };
 
 // K3D draws at every part that it loads; until now onto next to nothing
 element("canvasTarget").classList.add("ready");
 K3D.resizeHelper();
 moving();
 sayScale();
+if (meta.swings.length) listSwings();
 play(state.playing);
 draw();
 element("loading").remove();
