@@ -15,6 +15,7 @@ import pytest
 
 import flexlegs
 import parflex as pf
+from parflex.simulation.holding import held
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 PICTURES = Path(os.environ.get("PARFLEX_SCREENSHOTS", "build/screenshots"))
@@ -448,4 +449,98 @@ def test_stress_in_the_page_is_that_of_the_recovery(open_page, tmp_path):
     assert np.max(np.abs(found - expected / np.max(expected))) <= 1e-5
     assert "von Mises stress (MPa)" in page.page.locator("#legend").inner_text()
     page.keep("stress_1280")
+    assert page.complaints == []
+
+
+@pytest.fixture(scope="module")
+def swinging(browser, tmp_path_factory):
+    """The linear system of a plate on cranks with locked motors, and the page of its modes."""
+    model = pf.Model(pf.robots.rus6(modes=3), "numpy")
+    lin = held(model, "locked")[1]
+    path = pf.view(lin).save(tmp_path_factory.mktemp("swinging") / "modes.html")
+    opened = Page(browser, path.as_uri()).ready()
+    yield lin, opened
+    opened.close()
+
+
+def world_nodes(page: Page) -> np.ndarray:
+    """(K, 3) m, the platform's nodes as they are drawn."""
+    drawn = page.tell(PLATE)
+    place = np.array(drawn["place"]).reshape(4, 4).T
+    return np.reshape(drawn["position"], (-1, 3)) @ place[:3, :3].T + place[:3, 3]
+
+
+def moved_nodes(lin, shape: np.ndarray) -> np.ndarray:
+    """(K, 3), the displacement of the platform's nodes by its definition."""
+    body, x = lin.point.mechanism.platform.body, lin.point.system.x
+    own = body.nodes + np.einsum("n,nka->ka", x.elastic, body.shapes)
+    bend = np.einsum("n,nka->ka", shape[6 : 6 + body.modes], body.shapes)
+    return (shape[:3] + np.cross(shape[3:6], own) + bend) @ x.rotation.T
+
+
+def test_modes_swing(swinging):
+    """Nodes less those in the middle are in proportion to the mode's shape, and to the amplitude: what
+    the page turns is bent already, which errs by the square of the motion, here a tenth of that at first."""
+    lin, page = swinging
+    modes = lin.modes()
+    for k in (1, 2):
+        page.page.locator("#swings tbody tr").nth(k).click()
+        assert f"mode {k + 1}: {float(modes.frequency[k]):.4g} Hz" in page.page.locator("#clock").inner_text()
+        drawn = []
+        for amplitude in ("0", "0.05", "0.1"):
+            page.page.locator("#amplitude").fill(amplitude)
+            page.tell("parflex.go(0.0)")
+            drawn.append(world_nodes(page))
+        once, twice = drawn[1] - drawn[0], drawn[2] - drawn[0]
+        shape = moved_nodes(lin, modes["shape"].values[k])
+        factor = np.sum(once * shape) / np.sum(shape**2)
+        assert factor > 0
+        assert np.max(np.abs(once - factor * shape)) < 0.004 * np.max(np.abs(once))
+        assert np.max(np.abs(twice - 2 * once)) < 0.004 * np.max(np.abs(twice))
+        page.page.locator("#amplitude").fill("0.05")
+        page.tell("parflex.go(0.5)")
+        assert np.max(np.abs(world_nodes(page) - drawn[0] + once)) < 0.008 * np.max(np.abs(once))
+        page.page.locator("#amplitude").fill("1")
+    words = page.page.locator("#largest").inner_text()
+    assert "times slower than it is" in words
+    assert "a mode has no size of its own" in words
+    page.tell("parflex.go(0.0)")
+    page.keep("machine_mode3")
+    assert page.complaints == []
+
+
+def test_arrow_keys_choose_modes_and_space_plays(swinging):
+    _, page = swinging
+    page.page.locator("#swings tbody tr").first.click()
+    chosen = "[...document.querySelectorAll('#swings tr.chosen td')].at(0).textContent"
+    for key, number in (("ArrowDown", "2"), ("ArrowRight", "3"), ("ArrowDown", "3"), ("ArrowUp", "2")):
+        page.page.keyboard.press(key)
+        assert page.tell(chosen) == number
+    page.page.keyboard.press("Space")
+    page.until("parflex.state.playing && parflex.state.time > 0")
+    page.page.keyboard.press("Space")
+    assert not page.tell("parflex.state.playing")
+    asked = [url for url in page.asked if not url.startswith(("data:", "blob:"))]
+    assert len(asked) == 1
+
+
+def test_a_load_is_drawn_in_proportion(swinging, open_page, tmp_path):
+    """At half of the ramp's period the whole deflection, many times; the arrow's head is at the moved node.
+    Its turn, which is drawn linearly, and the bend together err by the square of the motion as drawn."""
+    lin, _ = swinging
+    made = pf.view(lin, wrenches=[pf.Wrench(0, (9, 0, -4))]).save(tmp_path / "load.html")
+    page = open_page(made.as_uri()).ready()
+    page.tell("parflex.go(0)")
+    rest = world_nodes(page)
+    page.tell("parflex.go(0.5)")
+    moved = world_nodes(page) - rest
+    factor = page.tell("parflex.meta.swings[0].factor")
+    C = pf.compliance(lin, 0)(np.zeros(1)).values[:, :, 0].real
+    deflection = C[:3] @ [9, 0, -4, 0, 0, 0]
+    assert np.allclose(moved[0], factor * deflection, atol=0.02 * np.max(np.abs(moved)))
+    head = page.tell("[...parflex.parts.filter(p => p.kind === 'borne').at(-1).ids[0].matrix.elements]")
+    tip = np.array(head)[12:15] + np.array(head)[8:11]
+    assert np.allclose(tip, rest[0] + factor * deflection, atol=1e-4)
+    page.keep("static_load")
+    assert "times larger than it is" in page.page.locator("#largest").inner_text()
     assert page.complaints == []
