@@ -143,3 +143,26 @@ def test_without_k3d_there_is_no_page(parflex, bends, monkeypatch, tmp_path):
     assert code == 0, err
     assert (tmp_path / "seen" / "modes.nc").exists()
     assert not (tmp_path / "seen" / "modes.html").exists()
+
+
+def test_reports_tell_the_modes_as_vibrate_does(parflex):
+    """The table of the report of a run, row by row, is that of the command."""
+    code, _, err = parflex("init", "hexapod.toml", "--robot", "hexapod")
+    assert code == 0, err
+    code, _, err = parflex(
+        "simulate", "hexapod.toml", "--trajectory", "hexapod.trajectory.toml", "--out", "run"
+    )
+    assert code == 0, err
+    code, _, err = parflex("report", "run/result.nc", "--out", "report.html")
+    assert code == 0, err
+    with open("report.html", encoding="utf-8") as file:
+        report = file.read()
+    how, lin = held(pf.Model(pf.load_robot("hexapod.toml"), "numpy"), "auto")
+    modes = lin.modes()
+    assert "Modes of the whole machine" in report
+    assert f"At home, {how.replace(chr(39), '&#39;')}." in report
+    for i in swinging(modes):
+        assert f"<td>{i + 1}</td><td>{float(modes.frequency[i]):.5g}</td>" in report
+    data = pf.load_result("run/result.nc").dataset
+    assert data.machine_frequency.attrs["units"] == "Hz"
+    assert np.allclose(data.machine_frequency, modes.frequency.values[swinging(modes)], rtol=1e-6)

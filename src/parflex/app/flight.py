@@ -17,6 +17,7 @@ from parflex.simulation.laws.choice import Choice
 from parflex.simulation.laws.controller import Start
 from parflex.simulation.laws.verdict import Verdict
 from parflex.simulation.leg_motion import leg_motion
+from parflex.simulation.machine_modes import add_machine_modes
 from parflex.simulation.result import Result
 from parflex.simulation.simulate import simulate
 from parflex.simulation.trajectory import Trajectory
@@ -92,6 +93,7 @@ def fly(prepared: Prepared, say: Callable[[str], None] = lambda words: None) -> 
     if verdict is not None:
         attributes["verdict"], attributes["stable"] = str(verdict), int(verdict.stable)
     result.dataset["robot_file"] = result.dataset["robot_file"].copy(data=file.reader.text)
+    add_machine_modes(result.dataset, model)
     return Flight(model, result)
 
 

@@ -14,6 +14,7 @@ from jinja2 import Environment
 from parflex.base.errors import InputError
 from parflex.base.version import __version__
 from parflex.base.versions import versions
+from parflex.simulation.machine_modes import HELD, machine_rows
 from parflex.simulation.result import Result
 from parflex.simulation.summary import figures_of, scope_of
 from parflex.simulation.variables import ALL_VARIABLES
@@ -72,6 +73,8 @@ def contents(result: Opened, source: Path) -> dict[str, Any]:
         "picture": robot_picture(data),
         "modes": modes(data),
         "leg_modes": leg_modes(data),
+        "machine": machine_rows(data),
+        "held": data.attrs.get(HELD, ""),
         "shapes": picture(plot.shapes_of(as_result(data))) if drawable(data) else "",
         "figures": {words: picture(fig) for words, fig in plot.over_time(as_result(data)).items()},
         "ledger": ledger(data),
