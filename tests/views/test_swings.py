@@ -1,5 +1,6 @@
 """Modes and static loads as the page has them: where the robot is drawn, and what is told of it."""
 
+from dataclasses import replace
 from math import radians
 
 import numpy as np
@@ -189,3 +190,21 @@ def test_edges_of_a_cube_and_of_a_square():
 )
 def test_lengths_in_words(value, words):
     assert in_words(value, "m") == words
+
+
+def test_a_node_that_the_modes_do_not_carry_is_told(plate):
+    """Where the platform says what its modes miss, the page does, in its banner."""
+    model, _ = plate
+    body = model.robot.platform
+    robot = pf.Robot(
+        model.robot.legs,
+        replace(body, missed=np.where(np.arange(len(body.nodes)) == 0, 0.3, 0.0)),
+        model.robot.gravity,
+        model.robot.home_pose,
+    )
+    lin = held(pf.Model(robot, "numpy"), "locked")[1]
+    [note] = load_as_swing(lin, [pf.Wrench(0, (0, 0, -1.0))]).notes
+    assert note.startswith(
+        "Node 0 is asked for, where its modes lack 30 % of the platform's static compliance"
+    )
+    assert load_as_swing(lin, [pf.Wrench(1, (0, 0, -1.0))]).notes == ()

@@ -1,11 +1,12 @@
 """A robot as it gives under a static load."""
 
+import warnings
 from collections.abc import Sequence
 
 import numpy as np
 
 from parflex.base.array import Array
-from parflex.base.errors import InputError
+from parflex.base.errors import BeyondBasis, InputError
 from parflex.linear.inputs import NodeWrench
 from parflex.linear.outputs import NodeMotion
 from parflex.linear.system import LinearModel, linear_model
@@ -29,12 +30,7 @@ def load_as_swing(lin: LinearModel, wrenches: Sequence[Wrench]) -> Swings:
         raise InputError("wrenches hold batches; give single ones")
     d, R = lin.point.T.shape[1], lin.point.system.x.rotation
     places = tuple(dict.fromkeys(each.node for each in wrenches))
-    at_places = linear_model(
-        lin.point,
-        tuple(NodeWrench(node) for node in places),
-        tuple(NodeMotion(node) for node in places),
-        lin.feedback,
-    )
+    at_places, notes = at_nodes(lin, places)
     check_holds(lin)
     loads = np.zeros((len(places), 6))
     for each in wrenches:
@@ -58,7 +54,18 @@ def load_as_swing(lin: LinearModel, wrenches: Sequence[Wrench]) -> Swings:
         if np.any(load[:3])
     ]
     swing = Swing(title, (), lin.point.T @ x[:d])
-    return Swings(lin, [swing], HEADS, rows, (), forces=tuple(forces))
+    return Swings(lin, [swing], HEADS, rows, notes, forces=tuple(forces))
+
+
+def at_nodes(lin: LinearModel, nodes: Sequence[int]) -> tuple[LinearModel, tuple[str, ...]]:
+    """The system from wrenches at nodes to their displacements, and a sentence for each node at which the
+    platform's modes lack static compliance."""
+    inputs, outputs = tuple(map(NodeWrench, nodes)), tuple(map(NodeMotion, nodes))
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always", BeyondBasis)
+        found = linear_model(lin.point, inputs, outputs, lin.feedback)
+    words = dict.fromkeys(str(each.message) for each in said)
+    return found, tuple(f"{each[:1].upper()}{each[1:]}." for each in words)
 
 
 def check_holds(lin: LinearModel) -> None:
