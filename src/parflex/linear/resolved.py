@@ -28,7 +28,7 @@ def check_places(body: FlexibleBody, signals: Iterable[Signal]) -> None:
         if np.isnan(lacking):
             words = "which is none of the places of its basis, so that shapes under forces there are lacking"
         elif lacking > MISSED:
-            words = f"where its modes lack {100 * lacking:.2g} % of the platform's static compliance"
+            words = f"where its modes lack {100 * lacking:.3g} % of the platform's static compliance"
         else:
             continue
         warnings.warn(
