@@ -176,9 +176,7 @@ def test_what_is_refused(hexapod):
         hexapod.equilibrium(place, turn, guess=hexapod.robot.home)
     with pytest.raises(pf.InputError, match=r"forces has shape \(5,\)"):
         hexapod.equilibrium(forces=np.zeros(5))
-    with pytest.raises(pf.InputError, match="forces are a batch"):
-        hexapod.equilibrium(forces=np.zeros((2, 6)))
-    with pytest.raises(pf.InputError, match="wrenches are a batch"):
-        hexapod.equilibrium(place, turn, wrenches=[pf.Wrench(0, np.zeros((2, 3)))])
+    with pytest.raises(pf.InputError, match=r"axes are \(3,\) of forces, \(2,\) of wrenches"):
+        hexapod.equilibrium(forces=np.zeros((3, 6)), wrenches=[pf.Wrench(0, np.zeros((2, 3)))])
     with pytest.raises(pf.NotConverged, match="no equilibrium under these forces was found from the guess"):
         hexapod.equilibrium(forces=np.full(6, 1e7))

@@ -62,9 +62,7 @@ def equilibrium(
     Raises InputError for a mode without stiffness, NotConverged where no forces hold the platform, where what
     bends is too soft, or where a leg buckles.
     """
-    bends = np.concatenate([np.full(mechanism.platform.modes, True), mechanism.bends])
-    if not np.all(firmness(mechanism)[6:][bends] > 0):
-        raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
+    check_firm(mechanism)
     now = first = newton_step(mechanism, start, hold, load, forces)
     for _ in range(STEPS):
         if now.length <= SETTLED * mechanism.size:
@@ -75,6 +73,13 @@ def equilibrium(
         now = later
     check_found(mechanism, first, now, hold, load)
     return now.at.x, now.forces
+
+
+def check_firm(mechanism: Mechanism) -> None:
+    """Raise InputError for a mode without stiffness."""
+    bends = np.concatenate([np.full(mechanism.platform.modes, True), mechanism.bends])
+    if not np.all(firmness(mechanism)[6:][bends] > 0):
+        raise InputError("a mode has zero frequency; without stiffness there is no equilibrium")
 
 
 def newton_step(mechanism: Mechanism, x: Array, hold: Hold | None, load: Load, forces: Array) -> Step:
@@ -122,7 +127,7 @@ def check_found(mechanism: Mechanism, first: Step, now: Step, hold: Hold | None,
     """
     try:
         if not now.length <= NEARLY * mechanism.size:
-            raise NotConverged(not_found(mechanism, hold, now.length))
+            raise NotConverged(not_found(first.at.system.x.position, hold, now.length))
         check_balance(mechanism, now, hold)
         check_stability(now.at, now.forces, load)
     except NotConverged:
@@ -137,16 +142,17 @@ def check_found(mechanism: Mechanism, first: Step, now: Step, hold: Hold | None,
         raise
 
 
-def not_found(mechanism: Mechanism, hold: Hold | None, left: float) -> str:
-    """The words for what was looked for, what remains, and the remedy."""
+def not_found(place: Array, hold: Hold | None, left: float) -> str:
+    """The words for what was looked for with Σp at a place (3,), what remains, and the remedy."""
     if hold is None:
         return (
-            f"no equilibrium under these forces was found from the guess, a step of {left:.2g} m remains; "
-            f"give a guess nearer to it, or forces that balance the weight"
+            f"no equilibrium under these forces was found from the guess, Σp at {show(place)} m: a step of "
+            f"{left:.2g} m remains; give a guess nearer to it, or forces that balance the weight"
         )
     return (
-        f"no equilibrium was found near the undeformed robot, a step of {left:.2g} m remains; it is too soft "
-        f"for its weight and loads at this pose: raise its frequencies or move the pose"
+        f"no equilibrium with Σp at {show(place)} m was found near the undeformed robot: a step of "
+        f"{left:.2g} m remains; it is too soft for its weight and loads at this pose: raise its frequencies "
+        f"or move the pose"
     )
 
 

@@ -70,6 +70,15 @@ def load(key: str) -> Entry | None:
     return entry_of(key, data)
 
 
+def holds(key: str) -> bool:
+    """True where there is a file for the entry of that key; `load` tells whether it is one."""
+    place = folder()
+    try:
+        return place is not None and (place / f"{key}.bin").is_file()
+    except OSError:
+        return False
+
+
 CHECKED = hasattr(os, "getuid")  # on Windows the folder is the user's by itself
 
 

@@ -107,5 +107,9 @@ class Backend(ABC):
         """The kernel, ready to run; may take a moment."""
 
     @abstractmethod
+    def keeps(self, kernel: Kernel) -> bool:
+        """True where compiling the kernel takes no time that a caller would notice."""
+
+    @abstractmethod
     def version(self) -> str:
         """Name and version of what runs the kernels."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 from functools import cached_property
 from threading import Lock
 
-from parflex.base.array import Array
+from parflex.base.array import Array, join
 from parflex.compiled.at import At
 from parflex.compiled.backend import Backend, Function
 from parflex.kernels.by_tips import by_tips
@@ -17,6 +17,8 @@ from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.redundancy import with_rows
 from parflex.robot.parameters import Parameters
 
+GRAVITY = "gravity"
+
 
 class Functions:
     """The compiled functions of a mechanism at some values of its parameters; shared by threads."""
@@ -27,6 +29,7 @@ class Functions:
         self.base: Array | None = None  # (…, 19), the motion of the base, where it is on one that moves
         self._first = mechanism
         self._kept: dict[object, Function] = {}
+        self._weighed: list[Functions] = []  # those whose parameters have gravity, once they are asked for
         self._lock = Lock()
 
     def at(self, mechanism: Mechanism, theta: Array) -> "Functions":
@@ -41,6 +44,21 @@ class Functions:
         other = copy(self)
         other.mechanism, other.base = mechanism, base
         return other
+
+    def weighed(self, mechanism: Mechanism) -> "Functions":
+        """Functions at the gravity of a mechanism, which is one of their parameters."""
+        names, gravity = self.parameters.names, {GRAVITY: mechanism.gravity}
+        if GRAVITY in names:
+            return self.at(mechanism, self.parameters.vector(gravity, self.theta))
+        with self._lock:
+            if not self._weighed:
+                every = Parameters(self.parameters.first, (*names, GRAVITY))
+                self._weighed.append(Functions(self._first, self.backend, every))
+        return self._weighed[0].at(mechanism, join([self.theta, mechanism.gravity]))
+
+    def ready(self, build: Build, *chosen: object) -> bool:
+        """True where a function is there without waiting: called before, or kept by the backend."""
+        return (build, *chosen) in self._kept or self.backend.keeps(self._kernel(build, *chosen))
 
     def __call__(self, build: Build, *chosen: object, theta: Array | None = None) -> Function:
         """The function of the kernel that `build` makes of the mechanism and of what else it takes.

@@ -40,5 +40,8 @@ class NumpyBackend(Backend):
     def compile(self, kernel: Kernel) -> Function:
         return NumpyFunction(kernel)
 
+    def keeps(self, kernel: Kernel) -> bool:
+        return True
+
     def version(self) -> str:
         return f"NumPy {np.__version__}"

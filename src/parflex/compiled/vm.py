@@ -72,5 +72,8 @@ class VmBackend(Backend):
     def compile(self, kernel: Kernel) -> Function:
         return VmFunction(kernel)
 
+    def keeps(self, kernel: Kernel) -> bool:
+        return False
+
     def version(self) -> str:
         return f"CasADi {casadi.__version__} virtual machine"

@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.base.array import Array, join, mtv, mv
-from parflex.base.check import all_of_type, finite, of_type, rotation_matrix
+from parflex.base.array import Array, join, merged, mtv, mv, transpose
+from parflex.base.check import all_of_type, broadcast_together, finite, index_of, of_type, rotation_matrix
 from parflex.base.errors import InputError
+from parflex.mechanics.wrench import pushes_of
 from parflex.model.core import Core
 from parflex.model.inputs import Values, Wrenches
-from parflex.model.rest import equilibrium_of
+from parflex.model.rest import Seat, equilibrium_of
 from parflex.robot.base_motion import BaseMotion
 from parflex.robot.carrying import Base, base_of
 from parflex.robot.state import State
@@ -33,22 +34,27 @@ def carried_equilibrium(
 ) -> tuple[State, Array]:
     """The state in the world that goes with the base, and the forces (m,); see `Model.equilibrium`.
 
-    Without a motion the base is the world. Raises InputError for a batch, and for a base that turns.
+    Without a motion the base is the world. Raises InputError for a base that turns.
     """
     if motion is None:
         return equilibrium_of(core, position, rotation, forces, guess, wrenches, parameters)
     flat = of_type("base", motion, BaseMotion).flat
-    check_steady(motion, flat)
+    check_steady(motion)
     base = base_of(flat)
     if position is not None:
-        position = mtv(base.rotation, finite("position", position, (3,)) - base.position)
+        place = finite("position", position, (3,))
+        broadcast_together(position=place, base=flat)
+        position = mtv(base.rotation, place - base.position)
     if rotation is not None:
-        rotation = base.rotation.T @ rotation_matrix("rotation", rotation)
-    guess = None if guess is None else seen(base, of_type("guess", guess, State))
+        turn = rotation_matrix("rotation", rotation)
+        broadcast_together(rotation=merged(turn), base=flat)
+        rotation = transpose(base.rotation) @ turn
+    if guess is not None:
+        broadcast_together(guess=np.zeros((*of_type("guess", guess, State).batch, 1)), base=flat)
+        guess = seen(base, guess)
     pushes = turned(base, wrenches)
-    found, held = equilibrium_of(
-        core.weighed(base.acceleration, base.rotation), position, rotation, forces, guess, pushes, parameters
-    )
+    seat = Seat(base.acceleration, base.rotation)
+    found, held = equilibrium_of(core, position, rotation, forces, guess, pushes, parameters, seat)
     return carried(base, found), held
 
 
@@ -58,7 +64,9 @@ def from_base(core: Core, motion: BaseMotion, state: State, wrenches: Any) -> tu
     Raises InputError for a base that is a batch or turns, and a state that does not go with it.
     """
     flat = of_type("base", motion, BaseMotion).flat
-    check_steady(motion, flat)
+    if flat.ndim > 1:
+        raise InputError(f"base is a batch {flat.shape[:-1]}; give one at a time")
+    check_steady(motion)
     base, state = base_of(flat), of_type("state", state, State)
     found = seen(base, state)
     apart = float(np.max(np.abs(state.twist - carried(base, found).twist)))
@@ -70,21 +78,21 @@ def from_base(core: Core, motion: BaseMotion, state: State, wrenches: Any) -> tu
     return core.weighed(base.acceleration, base.rotation), found, turned(base, wrenches)
 
 
-def check_steady(motion: BaseMotion, flat: Array) -> None:
-    """Raise InputError where the base is a batch, or turns."""
-    if flat.ndim > 1:
-        raise InputError(f"base is a batch {flat.shape[:-1]}; equilibrium takes a single one")
+def check_steady(motion: BaseMotion) -> None:
+    """Raise InputError where the base turns."""
     for name in ("twist", "acceleration"):
-        turning = np.asarray(getattr(motion, name))[3:]
-        if np.any(turning):
+        turning = np.asarray(getattr(motion, name))[..., 3:]
+        bad = np.any(turning != 0, axis=-1)
+        if np.any(bad):
             raise InputError(
-                f"base turns, BaseMotion.{name}[3:] is {turning.tolist()}; nothing is at rest on it: give a "
-                f"base that does not turn, or simulate"
+                f"base{index_of(bad)} turns, BaseMotion.{name}[3:] is {turning[bad][0].tolist()}; nothing is "
+                f"at rest on it: give a base that does not turn, or simulate"
             )
 
 
 def turned(base: Base, wrenches: Any) -> Sequence[Wrench]:
     """The wrenches, those in world axes resolved in Σ0."""
+    broadcast_together(wrenches=pushes_of(all_of_type("wrenches", wrenches, Wrench)), base=base.position)
     return [
         each
         if each.frame != "world"
@@ -96,13 +104,14 @@ def turned(base: Base, wrenches: Any) -> Sequence[Wrench]:
 def seen(base: Base, state: State) -> State:
     """The state at rest as it stands in Σ0."""
     place = mtv(base.rotation, state.position - base.position)
-    return replace(state.still, position=place, rotation=base.rotation.T @ state.rotation)
+    return replace(state.still, position=place, rotation=transpose(base.rotation) @ state.rotation)
 
 
 def carried(base: Base, state: State) -> State:
     """The state in the world of one at rest in Σ0."""
     rotation = base.rotation @ state.rotation
-    twist = join([mtv(rotation, base.velocity), np.zeros(3)])
+    v_p = mtv(rotation, base.velocity)
+    twist = join([v_p, np.zeros(3)])
     return replace(
         state, position=base.position + mv(base.rotation, state.position), rotation=rotation, twist=twist
     )

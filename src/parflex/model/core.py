@@ -73,7 +73,7 @@ class Core:
         as far as equilibria read it."""
         gravity = rotation.T @ (self.mechanism.gravity - acceleration)
         mechanism = replace(self.mechanism, gravity=gravity)
-        return Core(mechanism, self.functions.at(mechanism, self.functions.theta))
+        return Core(mechanism, self.functions.weighed(mechanism))
 
     def flat(self, state: State) -> Array:
         """The flat state (…, size), as `flat_state`; one for each motion of a base, where these are many."""

@@ -233,14 +233,17 @@ class Model(Geometry):
         base: Floor = None,
     ) -> tuple[State, Array]:
         """The equilibrium under gravity, springs and wrenches at a pose of Σp: the state, platform and legs
-        bent, and the forces (m,) that hold it; or the one under given forces (m,) that is found from a guess
-        at rest, by default home.
+        bent, and the forces (…, m) that hold it; or the one under given forces (…, m) that is found from a
+        guess at rest, by default home.
 
+        Leading axes of position (…, 3) m, rotation (…, 3, 3), forces, guess, wrenches, values of parameters
+        and base broadcast; many at once take a small part of the time of each by itself, and are compiled for.
         Where the legs do not allow the pose with the platform bent, it is the nearest they allow. On a base
         that accelerates steadily the state goes with it.
 
-        Raises InputError for batches and bases that turn, NotConverged where nothing is found near, where no
-        forces hold the platform, where it is too soft for a small deflection or a leg buckles.
+        Raises InputError for bases that turn, OutOfReach and SingularPose as `direct`, NotConverged where
+        nothing is found near, where no forces hold the platform, where it is too soft for a small deflection
+        or a leg buckles. Of a batch the first that fails is told, with its index and how many do.
         """
         asked = position, rotation, forces, guess, wrenches, parameters
         return carried_equilibrium(self._core, base, *asked)

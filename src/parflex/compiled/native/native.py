@@ -124,8 +124,7 @@ def run_rows(code: Code, arrays: list[Array], count: int) -> None:
 
 def code(kernel: Kernel, lanes: int) -> Code:
     """Machine code from the cache, or compiled; raises Unsound where it is not what it should be."""
-    cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
-    key = store.key_of(kernel.name, kernel.subject, lanes, cpu, features, llvmlite.__version__)
+    key = code_key(kernel, lanes)
     entry = store.load(key)
     if entry is not None:
         found = Code(entry, lanes)
@@ -138,6 +137,12 @@ def code(kernel: Kernel, lanes: int) -> Code:
         raise Unsound(f"machine code of the {kernel.name} model differs from the reference")
     store.save(key, entry)
     return found
+
+
+def code_key(kernel: Kernel, lanes: int) -> str:
+    """The name that a kernel's code for this processor has in the cache."""
+    cpu, features = llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten()
+    return store.key_of(kernel.name, kernel.subject, lanes, cpu, features, llvmlite.__version__)
 
 
 class Unsound(Exception):
@@ -214,6 +219,9 @@ class NativeBackend(Backend):
         except (Unsound, RuntimeError, OSError) as error:  # a processor that LLVM does not serve
             warnings.warn(f"{error}; the virtual machine is used instead", stacklevel=2)
             return VmFunction(kernel)
+
+    def keeps(self, kernel: Kernel) -> bool:
+        return store.holds(code_key(kernel, 1))
 
     def version(self) -> str:
         version = ".".join(map(str, llvm.llvm_version_info))

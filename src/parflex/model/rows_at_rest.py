@@ -1,0 +1,125 @@
+"""Equilibria in rows: all at once where that is known to do, one by one where it is not."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from parflex.analysis.equilibria import Found, Given, equilibria, has_quick, quick
+from parflex.analysis.equilibrium import at_rest, check_firm, under_forces
+from parflex.base.array import Array
+from parflex.base.errors import InputError
+from parflex.compiled import choose
+from parflex.compiled.backend import Function
+from parflex.kernels.jacobians import Places, direct_jacobian
+from parflex.kernels.rest import unrest
+from parflex.mechanics.flat_state import flat_state
+from parflex.mechanics.wrench import places_of
+from parflex.model.core import Core
+from parflex.model.inputs import Wrenches
+from parflex.robot.state import State
+
+MANY = 64  # rows from which on compiling is quicker than not
+
+
+class Asked(NamedTuple):
+    """The B equilibria that are asked for: poses that are held, or guesses and the forces there."""
+
+    state: State  # (B,)
+    forces: Array  # (B, m)
+    pushes: Array  # (B, 6 L), the wrenches (F, N) side by side
+    wrenches: Wrenches  # of which only the places are read
+    posed: bool
+
+    def part(self, rows: Array) -> "Asked":
+        """Some of them, by number."""
+        if len(rows) == len(self.forces):
+            return self
+        return self._replace(state=self.state[rows], forces=self.forces[rows], pushes=self.pushes[rows])
+
+    def loads(self, row: int) -> Wrenches:
+        """The wrenches of one row."""
+        pairs = self.pushes[row].reshape(-1, 2, 3)
+        return [replace(each, force=F, moment=N) for each, (F, N) in zip(self.wrenches, pairs, strict=True)]
+
+
+class AtRest(NamedTuple):
+    """Flat states (B, size) at rest, their forces (B, m), and the errors of rows that have none."""
+
+    x: Array
+    forces: Array
+    errors: Mapping[int, InputError]
+
+
+def at_rest_in_rows(core: Core, asked: Asked) -> AtRest:
+    """The equilibria of a robot; raises InputError for a mode without stiffness."""
+    check_firm(core.mechanism)
+    found, errors = all_at_once(core, asked), {}
+    for row in map(int, np.flatnonzero(~found.sure)):
+        try:
+            found.x[row], found.forces[row] = one(core, asked, row)
+        except InputError as error:
+            errors[row] = error
+    return AtRest(found.x, found.forces, errors)
+
+
+def one(core: Core, asked: Asked, row: int) -> tuple[Array, Array]:
+    """The equilibrium of one row, as `analysis.equilibrium` finds it; raises as that does."""
+    state, loads = asked.state[row], asked.loads(row)
+    if asked.posed:
+        return at_rest(core.functions, "position and rotation", state, loads)
+    return under_forces(core.functions, asked.forces[row], state, loads)
+
+
+def all_at_once(core: Core, asked: Asked) -> Found:
+    """The equilibria that are found together; none is sure of robots for which that is not known."""
+    mechanism, count = core.functions.solvable, len(asked.forces)
+    none = Found(np.zeros((count, mechanism.layout.size)), np.array(asked.forces), np.full(count, False))
+    if not count or not mechanism.closed:
+        return none
+    start = flat_state(mechanism, asked.state)
+    if not has_quick(mechanism, start[0], asked.posed):
+        return none
+    places = places_of(asked.wrenches)
+    robot = quick(mechanism, builder(core, places, count), places, asked.posed)
+    return equilibria(robot, Given(start, asked.forces, asked.pushes))
+
+
+def builder(core: Core, places: Places, count: int) -> Callable[..., Function]:
+    """A maker of functions of kernels: compiled ones for many rows, or where they are there already."""
+    functions = core.functions
+    if count >= MANY or all(functions.ready(build, places) for build in (direct_jacobian, unrest)):
+        return functions
+    return lambda build, *chosen: choose("numpy").compile(build(functions.solvable, *chosen))
+
+
+def flat_rows(part: Array, batch: tuple[int, ...]) -> Array:
+    """Vectors (…, n) as (B, n), one for each of a batch."""
+    return np.broadcast_to(part, (*batch, part.shape[-1])).reshape(math.prod(batch), part.shape[-1])
+
+
+def state_rows(state: State, batch: tuple[int, ...]) -> State:
+    """States (…) as (B,), one for each of a batch."""
+    count = math.prod(batch)
+    if not state.batch:
+        return replace(state, position=np.broadcast_to(state.position, (count, 3)))
+    numbers = np.arange(math.prod(state.batch)).reshape(state.batch)
+    return state[np.unravel_index(np.broadcast_to(numbers, batch).reshape(-1), state.batch)]
+
+
+def raise_first(errors: Mapping[int, InputError], batch: tuple[int, ...]) -> None:
+    """Raise the error of the first row that has one, with its place in a batch and how many there are."""
+    if not errors:
+        return
+    first = min(errors)
+    error = errors[first]
+    if not batch:
+        raise error
+    place: Any = tuple(int(i) for i in np.unravel_index(first, batch))
+    place = place[0] if len(place) == 1 else place
+    fail = "1 fails" if len(errors) == 1 else f"{len(errors)} fail"
+    raise type(error)(
+        f"of {math.prod(batch)} equilibria {fail}, the first at index {place}: {error}"
+    ) from error
