@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+import flexlegs
 import parflex as pf
 from measures import relative
 from parflex.analysis.equilibrium import at_rest
@@ -17,10 +18,11 @@ from reference.gallery import ENTRIES, robot_of
 
 SAME = 1e-12  # m and rad, and of the forces: both are found to round-off
 STILL = 1e-9 * 9.81  # m/s²
-COUNT, MODES = 3, 3
+COUNT, MODES = 4, 3
+FLEXLEGS = "gs_flexlegs"  # links and flexures that bend, joints that are carried and closed
+ROBOTS = [*ENTRIES, "nano-hexapod", FLEXLEGS]
 LIGHT = {"nano-hexapod": 10.0}  # its legs' grams stand between flexures of 1e8 N/m, which pull at round-off
-REACH = {"nano-hexapod": 1e-5}  # m: its struts give by tenths of a millimetre
-GALLERY = [*ENTRIES, "nano-hexapod"]
+REACH = {"nano-hexapod": 1e-5, FLEXLEGS: 0.01}  # m; the struts of one give by tenths of a millimetre
 WIRES = pf.Strut(
     pf.Bar(mass=1e-3, length=0.22, outer=0.03),
     pf.Bar(outer=2e-3, length=0.2, density=7850, young=205e9, static=True),
@@ -30,6 +32,8 @@ WIRES = pf.Strut(
 @cache
 def gallery(name: str) -> pf.Model:
     """A robot of the gallery on a platform of three modes."""
+    if name == FLEXLEGS:
+        return pf.Model(flexlegs.robot(name), "numpy")
     robot = robot_of(name, True) if name in ENTRIES else pf.robots.nano_hexapod(modes=MODES)
     return pf.Model(robot, "numpy")
 
@@ -55,7 +59,7 @@ def fastest(found: Accelerations) -> float:
     return max(float(np.max(np.abs(part), initial=0.0)) for part in every)
 
 
-@pytest.mark.parametrize("name", GALLERY)
+@pytest.mark.parametrize("name", ROBOTS)
 def test_together_as_one_by_one(name):
     """The general algorithm takes one pose at a time, with motions of all coordinates of the legs; what it
     finds stands still by the direct model, which does not know of either."""

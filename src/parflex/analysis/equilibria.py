@@ -104,10 +104,14 @@ def has_quick(mechanism: Mechanism, x: Array, posed: bool) -> bool:
 
 def equilibria(robot: Quick, given: Given) -> Found:
     """The equilibria from flat states, chunk by chunk."""
-    count = len(given.x)
-    parts = [given_part(given, slice(i, i + CHUNK)) for i in range(0, count, CHUNK)]
+    return in_chunks(lambda part: settled(robot, part), given)
+
+
+def in_chunks(settled: Callable[[Given], Found], given: Given) -> Found:
+    """All rows, some at a time, as `settled` finds them."""
+    parts = [given_part(given, slice(i, i + CHUNK)) for i in range(0, len(given.x), CHUNK)]
     with np.errstate(all="ignore"):  # a bad pose shows as one that is not sure
-        return together([of_chunk(robot, part) for part in parts])
+        return together([of_chunk(settled, part) for part in parts])
 
 
 def together(parts: list[Found]) -> Found:
@@ -121,14 +125,14 @@ def given_part(given: Given, rows: Any) -> Given:
     return Given(*(part[rows] for part in given))
 
 
-def of_chunk(robot: Quick, given: Given) -> Found:
+def of_chunk(settled: Callable[[Given], Found], given: Given) -> Found:
     """The equilibria of some rows; one is not sure where a matrix is singular to the last bit."""
     try:
-        return settled(robot, given)
+        return settled(given)
     except (np.linalg.LinAlgError, ValueError):  # of the readable models also a leg out of reach
         if len(given.x) > 1:
             halves = slice(0, len(given.x) // 2), slice(len(given.x) // 2, None)
-            return together([of_chunk(robot, given_part(given, half)) for half in halves])
+            return together([of_chunk(settled, given_part(given, half)) for half in halves])
         return Found(given.x, given.forces, np.array([False]))
 
 
@@ -243,7 +247,11 @@ def lasting(robot: Quick, x: Array, slopes: Slopes) -> Array:
     carries = mechanism.layout.carried > 0
     M = mobile_mass(assembled(mechanism, x)) if carries else np.linalg.inv(slopes.by_load)
     M = M * robot.scale[:, None] * robot.scale
-    H = -(M @ slopes.by_state[:, :, 6:])[:, 6:]
+    return surely_positive(-(M @ slopes.by_state[:, :, 6:])[:, 6:])
+
+
+def surely_positive(H: Array) -> Array:
+    """True (B,) where the symmetric parts of matrices (B, n, n) are positive, with something to spare."""
     H = 0.5 * (H + transpose(H))
     spare = SURE * np.einsum("...ii->...i", H)
     return positive(H - spare[..., None] * np.eye(H.shape[-1]))

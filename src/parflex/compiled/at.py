@@ -11,7 +11,7 @@ class At(Function):
     """A function at given values of some inputs, such as the parameters, called like one without them."""
 
     def __init__(self, function: Function, **given: Array) -> None:
-        self.function, self.given = function, given
+        self.function, self.given, self.readable = function, given, function.readable
         left = {name: n for name, n in function.kernel.inputs.items() if name not in given}
         self.kernel = replace(function.kernel, inputs=left)
 

@@ -31,6 +31,7 @@ class Function(ABC):
     """
 
     kernel: Kernel
+    readable = False  # True of the mechanics itself, which takes milliseconds
 
     def __call__(self, **inputs: Array) -> Vectors:
         """Outputs (…, m_i) for inputs (…, n_i), whose leading axes broadcast together."""

@@ -10,6 +10,8 @@ from parflex.kernels.kernel import Kernel
 class NumpyFunction(Function):
     """A kernel called as it stands."""
 
+    readable = True
+
     def __init__(self, kernel: Kernel) -> None:
         self.kernel = kernel
 

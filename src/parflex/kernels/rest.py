@@ -1,10 +1,11 @@
 """The unrest of a robot that stands still: the accelerations of all that its state holds."""
 
-from parflex.base.array import Array, join
+from parflex.base.array import Array, join, merged
 from parflex.kernels.jacobians import Places, load_of
 from parflex.kernels.kernel import Kernel, Vectors, kernel
 from parflex.mechanics import dynamics
 from parflex.mechanics import system as assembly
+from parflex.mechanics.closure import equations_at
 from parflex.mechanics.mechanism import Mechanism
 
 
@@ -23,3 +24,14 @@ def unrest(mechanism: Mechanism, places: Places) -> Kernel:
     sizes = {"pushes": 6 * len(places)}
     sizes["accelerations"] = 6 + mechanism.platform.modes + mechanism.layout.carried
     return kernel("unrest", function, mechanism, ("accelerations", "health"), (places,), **sizes)
+
+
+def closure(mechanism: Mechanism) -> Kernel:
+    """The gaps of tips that are not soft, and the closure matrix by rows."""
+
+    def function(x: Array) -> Vectors:
+        gap, G = equations_at(mechanism, x)
+        return {"gap": gap, "matrix": merged(G)}
+
+    rows, columns = len(mechanism.firm), 6 + mechanism.platform.modes + len(mechanism.bends)
+    return kernel("closure", function, mechanism, ("gap", "matrix"), gap=rows, matrix=rows * columns)

@@ -237,9 +237,9 @@ class Model(Geometry):
         guess at rest, by default home.
 
         Leading axes of position (…, 3) m, rotation (…, 3, 3), forces, guess, wrenches, values of parameters
-        and base broadcast; many at once take a small part of the time of each by itself, and are compiled for.
-        Where the legs do not allow the pose with the platform bent, it is the nearest they allow. On a base
-        that accelerates steadily the state goes with it.
+        and base broadcast. Many at once take a small part of the time of each by itself; code is compiled
+        for 64 and more. Where the legs do not allow the pose with the platform bent, it is the nearest they
+        allow. On a base that accelerates steadily the state goes with it.
 
         Raises InputError for bases that turn, OutOfReach and SingularPose as `direct`, NotConverged where
         nothing is found near, where no forces hold the platform, where it is too soft for a small deflection

@@ -1,20 +1,20 @@
 """Equilibria in rows: all at once where that is known to do, one by one where it is not."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from parflex.analysis.equilibria import Found, Given, equilibria, has_quick, quick
+from parflex.analysis.closed_equilibria import equilibria_on_closure, has_motions, on_closure
+from parflex.analysis.equilibria import Build, Found, Given, equilibria, has_quick, quick
 from parflex.analysis.equilibrium import at_rest, check_firm, under_forces
 from parflex.base.array import Array
 from parflex.base.errors import InputError
 from parflex.compiled import choose
-from parflex.compiled.backend import Function
-from parflex.kernels.jacobians import Places, direct_jacobian
-from parflex.kernels.rest import unrest
+from parflex.kernels.jacobians import direct_jacobian
+from parflex.kernels.rest import closure, unrest
 from parflex.mechanics.flat_state import flat_state
 from parflex.mechanics.wrench import places_of
 from parflex.model.core import Core
@@ -22,6 +22,7 @@ from parflex.model.inputs import Wrenches
 from parflex.robot.state import State
 
 MANY = 64  # rows from which on compiling is quicker than not
+FEW = 4  # rows below which legs that have to be closed are quicker closed one by one, in NumPy
 
 
 class Asked(NamedTuple):
@@ -77,20 +78,28 @@ def all_at_once(core: Core, asked: Asked) -> Found:
     """The equilibria that are found together; none is sure of robots for which that is not known."""
     mechanism, count = core.functions.solvable, len(asked.forces)
     none = Found(np.zeros((count, mechanism.layout.size)), np.array(asked.forces), np.full(count, False))
-    if not count or not mechanism.closed:
-        return none
-    start = flat_state(mechanism, asked.state)
-    if not has_quick(mechanism, start[0], asked.posed):
+    opens = not mechanism.closed
+    if not count or (opens and not (asked.posed and has_motions(mechanism))):
         return none
     places = places_of(asked.wrenches)
-    robot = quick(mechanism, builder(core, places, count), places, asked.posed)
-    return equilibria(robot, Given(start, asked.forces, asked.pushes))
+    kernels = [(direct_jacobian, places), (unrest, places), *([(closure,)] if opens else [])]
+    build = builder(core, kernels, count)
+    if opens and count < FEW and build(closure).readable:
+        return none
+    start = flat_state(mechanism, asked.state)
+    given = Given(start, asked.forces, asked.pushes)
+    if opens:
+        robot = on_closure(quick(mechanism, build, places, asked.posed), build(closure))
+        return equilibria_on_closure(robot, given)
+    if not has_quick(mechanism, start[0], asked.posed):
+        return none
+    return equilibria(quick(mechanism, build, places, asked.posed), given)
 
 
-def builder(core: Core, places: Places, count: int) -> Callable[..., Function]:
+def builder(core: Core, kernels: Sequence[tuple[Any, ...]], count: int) -> Build:
     """A maker of functions of kernels: compiled ones for many rows, or where they are there already."""
     functions = core.functions
-    if count >= MANY or all(functions.ready(build, places) for build in (direct_jacobian, unrest)):
+    if count >= MANY or all(functions.ready(*each) for each in kernels):
         return functions
     return lambda build, *chosen: choose("numpy").compile(build(functions.solvable, *chosen))
 
