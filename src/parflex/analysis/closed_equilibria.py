@@ -21,6 +21,7 @@ from parflex.analysis.equilibria import (
     Quick,
     by_displacement,
     chosen,
+    healthy,
     in_chunks,
     norm,
     rows_of,
@@ -105,6 +106,7 @@ def settled_on_closure(robot: OnClosure, given: Given) -> Found:
         forces = chosen(going, forces, best.forces)
     gap = np.max(np.abs(robot.equations(best.x)[0]), axis=-1, initial=0.0)
     sure = sure & (shortest <= SETTLED * size) & (gap <= 10 * CLOSED * size)
+    sure = sure & healthy(robot.quick, start) & healthy(robot.quick, best.x)
     return best._replace(sure=sure & lasting(robot, best, given.pushes))
 
 

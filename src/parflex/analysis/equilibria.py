@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from parflex.analysis.equilibrium import stiff_motions
+from parflex.analysis.health import SINGULAR
 from parflex.analysis.mobile_mass import mobile_mass
 from parflex.analysis.mobility import rank
 from parflex.analysis.statics import scales
@@ -161,7 +162,13 @@ def settled(robot: Quick, given: Given) -> Found:
         forces = chosen(going, forces, best.forces)
     assert slopes is not None
     sure = (shortest <= SETTLED * robot.mechanism.size) & slopes.regular & lasting(robot, best.x, slopes)
-    return best._replace(sure=sure)
+    return best._replace(sure=sure & healthy(robot, given.x) & healthy(robot, best.x))
+
+
+def healthy(robot: Quick, x: Array) -> Array:
+    """True (B,) where no leg is out of reach or singular, and no flexure nearly turned about."""
+    margins = robot.unrest.each(x=x)["health"][:, robot.mechanism.health.margins]
+    return np.min(margins, axis=-1, initial=np.inf) > SINGULAR
 
 
 def chosen(which: Array, new: Array, old: Array) -> Array:
