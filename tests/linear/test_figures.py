@@ -72,5 +72,6 @@ def test_dynamic_stiffness_is_the_inverse_of_compliance():
         assert np.allclose(given.values[..., k] @ back.values[..., k], np.eye(6), atol=1e-9)
     assert given.values[0, 0, 0].real == pytest.approx(4.74996e-8, rel=1e-5)
     assert list(back.input.values) == list(given.output.values)
+    assert list(back.output_units.values[[2, 3]]) == ["N", "N m"]
     with pytest.raises(pf.InputError, match="the platform has nodes 0 … 5"):
         pf.compliance(lin, 6)

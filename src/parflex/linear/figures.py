@@ -47,9 +47,13 @@ def dynamic_stiffness(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0
     def stiffness(omega: ArrayLike, structural: float = 0.0) -> Any:
         found = given(omega, structural)
         inverse = np.moveaxis(np.linalg.inv(np.moveaxis(found.values, -1, 0)), 0, -1)
-        coords = {"output": found.input.values, "input": found.output.values}
-        coords |= {name: found.coords[name] for name in ("omega", "frequency")}
-        return type(found)(inverse, coords, ("output", "input", "omega"), "dynamic_stiffness")
+        labels = (
+            found.input.values,
+            found.output.values,
+            found.input_units.values,
+            found.output_units.values,
+        )
+        return labelled(inverse, found.omega.values, "dynamic_stiffness", *labels)
 
     return stiffness
 

@@ -1,6 +1,10 @@
 """Pictures of results and modes. They compute nothing: labels and units come from the data."""
 
 from parflex.views.plot.canvas import drawn, figure, save
+from parflex.views.plot.cutting import lobes
+from parflex.views.plot.loci import nyquist
+from parflex.views.plot.pole_map import poles
+from parflex.views.plot.responses import bode
 from parflex.views.plot.robot import robot_at
 from parflex.views.plot.runs import (
     accelerations,
@@ -19,14 +23,18 @@ __all__ = [
     "actuator_forces",
     "attachment_deformation",
     "base_motion",
+    "bode",
     "drawn",
     "energy",
     "figure",
     "frequency_table",
     "leg_deformation",
+    "lobes",
     "mode_shapes",
+    "nyquist",
     "origin_deformation",
     "over_time",
+    "poles",
     "robot_at",
     "save",
     "shapes_of",
