@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         ContactForces as ContactForces,
         Strain as Strain,
     )
+    from parflex.files.spectrum_file import load_psd as load_psd
     from parflex.linear.figures import (
         compliance as compliance,
         dynamic_stiffness as dynamic_stiffness,
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
         NodeMotion as NodeMotion,
         StrutForce as StrutForce,
     )
+    from parflex.linear.spectra import power_spectrum as power_spectrum
     from parflex.linear.system import LinearModel as LinearModel
     from parflex.mechanics.cartesian import Cartesian as Cartesian
     from parflex.mechanics.energy import Energies as Energies
@@ -118,10 +120,12 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "export.export": "export_c",
     "files.robot_file": "load_robot",
     "linear.contact": "ContactForces Strain",
+    "files.spectrum_file": "load_psd",
     "linear.figures": "compliance dynamic_stiffness transmissibility",
     "linear.inputs": "Actuators BaseAcceleration NodeWrench Reference",
     "linear.lobes": "stability_lobes",
     "linear.outputs": "Accelerometer FramePose JointMotion NodeMotion StrutForce",
+    "linear.spectra": "power_spectrum",
     "linear.system": "LinearModel",
     "mechanics.cartesian": "Cartesian",
     "mechanics.energy": "Energies",

@@ -413,6 +413,10 @@ DOORS: dict[str, Door] = {
     "compliance": Door(pf.compliance, {"lin": thing(LIN)} | AT_NODE),
     "transmissibility": Door(pf.transmissibility, {"lin": thing(LIN)} | AT_NODE),
     "dynamic_stiffness": Door(pf.dynamic_stiffness, {"lin": thing(LIN)} | AT_NODE),
+    "power_spectrum": Door(
+        pf.power_spectrum,
+        {"frf": thing(TOOL), "psd": array(np.ones((6, 50)), shape=False)},
+    ),
     "stability_lobes": Door(
         partial(pf.stability_lobes),
         {"frf": thing(TOOL)}

@@ -182,3 +182,22 @@ def tool(omega):
     H = np.zeros((3, 3, len(omega)), complex)
     H[0, 0] = response(1, 1, omega).values[0, 0]
     return xr.DataArray(H, {"omega": omega}, ("output", "input", "omega"))
+
+
+def test_random_vibration_in_its_units():
+    """Density and cumulative RMS are those of the dataset, and unlike units stand side by side."""
+    H = response().assign_coords(output_units=("output", ["m", "m/s^2"]))
+    found = pf.power_spectrum(H, {"force[0]": 2.0})
+    fig = pf.plot.power_spectrum(found)
+    upper, lower = fig.axes[0], fig.axes[2]
+    assert np.allclose(curves(upper)[0][1], found.psd.values[0])
+    assert np.allclose(curves(lower)[0][1], found.cumulative_rms.values[0])
+    labels = [ax.get_ylabel() for ax in fig.axes[:2]]
+    assert labels == ["power spectral density (m²/Hz)", "power spectral density ((m/s²)²/Hz)"]
+    assert f"RMS {float(found.rms[0]):.3g} m" in words(fig)
+    assert len(pf.plot.power_spectrum({"a": found, "b": found}, outputs=["tool_0"]).axes) == 2
+    five = pf.power_spectrum(response(5, 1), {"force[0]": 1.0})
+    with pytest.raises(pf.InputError, match="5 outputs of 2 systems, and a picture 8 curves"):
+        pf.plot.power_spectrum({"a": five, "b": five})
+    with pytest.raises(pf.InputError, match="data holds no power spectra"):
+        pf.plot.power_spectrum(xr.Dataset())

@@ -4,9 +4,10 @@ import csv
 import math
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from itertools import pairwise
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,9 +19,10 @@ from parflex.files.quantity import LONGEST, factor, shown
 from parflex.files.reading import file_text, printable
 
 LARGEST = 100_000_000  # bytes
-HEAD = re.compile(r"([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?")
+HEAD = re.compile(r"(.*?)\s*(?:\[([^\[\]]*)\])?")
 SPELT = {(ACCELERATION, "g"): "standard_gravity"}  # units that are others elsewhere: g is a gram
 CLOCK = "t"
+What = TypeVar("What")
 
 
 def read_samples(path: str | os.PathLike[str], kinds: Mapping[str, Kind]) -> tuple[Array, dict[str, Array]]:
@@ -32,21 +34,36 @@ def read_samples(path: str | os.PathLike[str], kinds: Mapping[str, Kind]) -> tup
     Raises InputError, with the line, for unknown columns, units that are missing or of another kind, cells
     that are no finite numbers, rows of another length, and times that do not increase.
     """
-    name, text = Path(path).name, file_text(Path(path), LARGEST, "a file of samples")
+    example = f"{CLOCK} [s], {next(iter(kinds))} [mm]"
+    return read_table(path, "a file of samples", {CLOCK: TIME, **kinds}, unit_of, example)
+
+
+def read_table(
+    path: str | os.PathLike[str],
+    words: str,
+    kinds: Mapping[str, What],
+    unit: Callable[[str, str, str | None, What], float],
+    example: str,
+) -> tuple[Array, dict[str, Array]]:
+    """The first column (T,), which increases, and the others (T,), by name, each times the number that `unit`
+    finds for its place, name, unit and kind; the first column is the first of the kinds.
+
+    Raises InputError as `read_samples`.
+    """
+    name, text = Path(path).name, file_text(Path(path), LARGEST, words)
     lines = [(number, row) for number, row in enumerate(text.splitlines(), 1) if is_row(row)]
     if not lines:
-        raise InputError(
-            f"{name} is empty; begin it with a header like {CLOCK} [s], {next(iter(kinds))} [mm]"
-        )
+        raise InputError(f"{name} is empty; begin it with a header like {example}")
     (first, head), *rows = lines
     mark = next((mark for mark in ";\t" if mark in head), ",")
-    columns = named(f"{name}:{first}", cells(head, mark), {CLOCK: TIME, **kinds})
+    columns = named(f"{name}:{first}", cells(head, mark), kinds, unit, example.partition(",")[0])
     table = np.empty((len(rows), len(columns)))
     for at, (number, row) in enumerate(rows):
         table[at] = numbers(f"{name}:{number}", cells(row, mark), list(columns))
-    check_times(name, table[:, 0], [number for number, _ in rows])
+    clock = next(iter(kinds))
+    check_times(name, clock, table[:, 0], [number for number, _ in rows])
     values = dict(zip(columns, (table * list(columns.values())).T, strict=True))
-    return values.pop(CLOCK), values
+    return values.pop(clock), values
 
 
 def is_row(line: str) -> bool:
@@ -60,12 +77,18 @@ def cells(line: str, mark: str) -> list[str]:
     return found[:-1] if found[-1] == "" else found
 
 
-def named(where: str, heads: list[str], kinds: Mapping[str, Kind]) -> dict[str, float]:
+def named(
+    where: str,
+    heads: list[str],
+    kinds: Mapping[str, What],
+    unit_of: Callable[[str, str, str | None, What], float],
+    clock: str,
+) -> dict[str, float]:
     """The columns of a header, each with the SI units that one of its own is."""
     columns: dict[str, float] = {}
     for head in heads:
         found = HEAD.fullmatch(head)
-        name, unit = found.groups() if found else (head, None)
+        name, unit = found.groups() if found and head not in kinds else (head, None)
         if name not in kinds:
             close = nearest(name, kinds)
             known = f"did you mean {close}?" if close else f"known here: {', '.join(kinds)}"
@@ -73,10 +96,8 @@ def named(where: str, heads: list[str], kinds: Mapping[str, Kind]) -> dict[str, 
         if name in columns:
             raise complaint(where, f"column {name} is there twice; keep one")
         columns[name] = unit_of(where, name, unit, kinds[name])
-    if next(iter(columns), "") != CLOCK:
-        raise complaint(
-            where, f"the first column is {shown(next(iter(columns), ''))}; begin with {CLOCK} [s]"
-        )
+    if next(iter(columns), "") != next(iter(kinds)):
+        raise complaint(where, f"the first column is {shown(next(iter(columns), ''))}; begin with {clock}")
     return columns
 
 
@@ -109,12 +130,12 @@ def numbers(where: str, row: list[str], columns: list[str]) -> list[float]:
     return found
 
 
-def check_times(name: str, times: Array, lines: list[int]) -> None:
-    """Raise InputError for a time that is not later than the one before."""
+def check_times(name: str, clock: str, times: Array, lines: list[int]) -> None:
+    """Raise InputError for a time, or another first column, that is not later than the one before."""
     for (early, late), line in zip(pairwise(times.tolist()), lines[1:], strict=True):
         if late <= early:
             raise complaint(
-                f"{name}:{line}", f"{CLOCK} is {late:.10g}, not later than {early:.10g} before it"
+                f"{name}:{line}", f"{clock} is {late:.10g}, not later than {early:.10g} before it"
             )
 
 

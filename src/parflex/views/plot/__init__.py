@@ -17,6 +17,7 @@ from parflex.views.plot.runs import (
     over_time,
 )
 from parflex.views.plot.shapes import frequency_table, mode_shapes, shapes_of, stress
+from parflex.views.plot.spectra import power_spectrum
 
 __all__ = [
     "accelerations",
@@ -35,6 +36,7 @@ __all__ = [
     "origin_deformation",
     "over_time",
     "poles",
+    "power_spectrum",
     "robot_at",
     "save",
     "shapes_of",
