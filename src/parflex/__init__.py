@@ -71,6 +71,7 @@ if TYPE_CHECKING:
         natural_frequencies as natural_frequencies,
     )
     from parflex.model.model import Model as Model
+    from parflex.model.sag import sag as sag
     from parflex.model.results import (
         Accelerations as Accelerations,
         DirectJacobian as DirectJacobian,
@@ -135,6 +136,7 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "model.frequencies": "Frequencies natural_frequencies",
     "model.model": "Model",
     "model.results": "Accelerations DirectJacobian Forces InverseJacobian Reactions",
+    "model.sag": "sag",
     "robot.bar": "Bar",
     "robot.base_motion": "BaseMotion",
     "robot.beam": "beam",

@@ -417,6 +417,13 @@ DOORS: dict[str, Door] = {
         pf.power_spectrum,
         {"frf": thing(TOOL), "psd": array(np.ones((6, 50)), shape=False)},
     ),
+    "sag": Door(
+        pf.sag,
+        {"model": thing(MODEL), "elevations": array([0.0, 0.0])}
+        | AT_NODE
+        | {"axis": array([0.0, 1.0, 0.0]), "home": number(0.0)}
+        | {"motors": other("auto", text="loose", number=1, nothing=None, list=["locked"])},
+    ),
     "stability_lobes": Door(
         partial(pf.stability_lobes),
         {"frf": thing(TOOL)}

@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
-from parflex.analysis.equilibrium import bent, equilibrium, held_joints
+from parflex.analysis.equilibrium import equilibrium, held_joints
 from parflex.analysis.health import single
 from parflex.analysis.statics import held_load
 from parflex.base.array import Array
@@ -29,15 +29,19 @@ def forward(mechanism: Mechanism, joints: ArrayLike, guess: State | None, sag: b
     With sag the platform bends under its own weight. Raises NotConverged where none is found.
     """
     wanted, start = given(mechanism, joints, guess)
-    if not sag:
-        return pose(mechanism, wanted, start)
+    return standing(mechanism, wanted, start)[0] if sag else pose(mechanism, wanted, start)
+
+
+def standing(mechanism: Mechanism, wanted: Array, start: Array) -> tuple[Array, Array]:
+    """The flat state at rest under gravity whose actuated joints are as wanted (m,), from one near it, and
+    the forces (m,) that hold it."""
 
     def moved(x: Array, motion: Array) -> Array:
-        return pose(mechanism, wanted, bent(mechanism, x, displaced(mechanism, x, motion)))
+        return pose(mechanism, wanted, displaced(mechanism, x, motion))
 
     mechanism = with_rows(mechanism)
     there, none = pose(mechanism, wanted, start), np.zeros(len(wanted))
-    return equilibrium(mechanism, there, moved, held_joints, held_load(mechanism, ()), none)[0]
+    return equilibrium(mechanism, there, moved, held_joints, held_load(mechanism, ()), none)
 
 
 def forward_all(

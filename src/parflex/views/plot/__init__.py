@@ -16,6 +16,7 @@ from parflex.views.plot.runs import (
     origin_deformation,
     over_time,
 )
+from parflex.views.plot.sagging import sag
 from parflex.views.plot.shapes import frequency_table, mode_shapes, shapes_of, stress
 from parflex.views.plot.spectra import power_spectrum
 
@@ -38,6 +39,7 @@ __all__ = [
     "poles",
     "power_spectrum",
     "robot_at",
+    "sag",
     "save",
     "shapes_of",
     "stress",
