@@ -14,6 +14,7 @@ from parflex.app.commands import check, export, init, save_run, simulate, tell_r
 from parflex.app.imports import ImportingCommand
 from parflex.app.modes import modes
 from parflex.app.modes_report import frequency_table
+from parflex.app.respond import frf, lobes
 from parflex.app.terminal import (
     Backend,
     ImageFormat,
@@ -39,7 +40,7 @@ app = typer.Typer(
     "it moving in the browser. For a robot of your own, `parflex init`, then `parflex check` and "
     "`parflex simulate`.",
 )
-for command in (view, report, check, vibrate, simulate, init, export):
+for command in (view, report, check, vibrate, frf, lobes, simulate, init, export):
     app.command()(command)
 app.command(cls=ImportingCommand)(modes)
 

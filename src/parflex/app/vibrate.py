@@ -53,8 +53,7 @@ def vibrate(
     from parflex.views import plot
 
     check_format(image)
-    if motors not in MOTORS:
-        raise InputError(f"--motors is {motors!r}; choose one of {', '.join(MOTORS)}")
+    known_motors(motors)
     if count < 1:
         raise InputError(f"--modes is {count}; ask for at least one")
     file = read_robot(robot)
@@ -74,6 +73,12 @@ def vibrate(
     if len(which) and find_spec("k3d"):
         shown = page(lin, (robot.name, how)).save(out / "modes.html")
         console.print(f"[bold]{escape(str(shown))}[/] shows the robot swing in them; open it in any browser")
+
+
+def known_motors(motors: str) -> None:
+    """Raise InputError for an unknown word."""
+    if motors not in MOTORS:
+        raise InputError(f"--motors is {motors!r}; choose one of {', '.join(MOTORS)}")
 
 
 def sentence(found: Any, which: Any, how: str) -> str:
