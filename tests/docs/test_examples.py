@@ -54,3 +54,10 @@ def test_snippet_on_drives(tmp_path):
     snippets = re.findall(r"```python\n(.*?)```", (DOCS / "flexible-legs.md").read_text(), re.DOTALL)
     (snippet,) = [each for each in snippets if "drive_stiffness" in each]
     run(snippet + "assert np.allclose(np.array(squeezed) * 80, -forces), motors", tmp_path)
+
+
+def test_snippets_on_vibration(tmp_path):
+    """One after the other, as the page has them, python-control's apart."""
+    snippets = re.findall(r"```python\n(.*?)```", (DOCS / "vibration.md").read_text(), re.DOTALL)
+    run("".join(each for each in snippets if "import control" not in each), tmp_path)
+    assert {path.stem for path in tmp_path.glob("*.png")} == {"bode", "nyquist", "poles", "six_by_six"}

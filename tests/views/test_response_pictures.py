@@ -91,6 +91,14 @@ def test_thirty_six_entries_are_a_grid():
     assert len(pf.plot.bode(H, outputs=["tool_0", "tool_1"]).axes) == 2 * 2 * 6
 
 
+def test_entries_that_are_zero_are_named_beside_few_curves():
+    H = response()
+    H.values[1, 0] = 1e-25
+    fig = pf.plot.bode(H)
+    assert len(fig.axes[0].lines) == 3
+    assert "none: force[0] → 1" in words(fig)
+
+
 def test_entries_of_unlike_units_do_not_share_axes():
     H = response()
     H = H.assign_coords(output_units=("output", ["m", "m/s^2"]))

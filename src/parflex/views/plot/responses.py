@@ -36,10 +36,14 @@ def bode(
     Raises InputError for what is no frequency response, unknown labels, and too many entries.
     """
     rows, names = entries_of(frf, outputs, inputs)
-    every = [each for row in rows for each in row]
+    every, words = [each for row in rows for each in row], Words.of(rows)
     loud = [each for each in every if not each.silent]
     if len(loud) * len(names) <= FEW and len({each.unit for each in loud}) == 1:
-        return together(loud, names, decibels, Words.of(rows))
+        fig = together(loud, names, decibels, words)
+        if len(loud) < len(every):
+            none = ", ".join(words.entry(each) for each in every if each.silent)
+            fig.axes[0].set_title(f"{fig.axes[0].get_title()}\nnone: {none}", fontsize=9)
+        return fig
     return bode_grid(rows, names, decibels)
 
 
