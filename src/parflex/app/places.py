@@ -32,16 +32,16 @@ class Place(NamedTuple):
     node: int
     offset: tuple[float, float, float]
 
-    def named(self, data: Any) -> Any:
-        """Responses whose labels have the name of the place."""
+    def label(self, label: str) -> str:
+        """A label that begins with the name of the place."""
         from parflex.linear.outputs import NodeMotion
 
-        own, found = NodeMotion(self.node, self.offset).name, {}
-        for dim in ("output", "input"):
-            labels = [str(label) for label in data[dim].values]
-            found[dim] = [
-                self.name + label.removeprefix(own) if label.startswith(own) else label for label in labels
-            ]
+        own = NodeMotion(self.node, self.offset).name
+        return self.name + label.removeprefix(own) if label.startswith(own) else label
+
+    def renamed(self, data: Any) -> Any:
+        """Responses with such labels."""
+        found = {dim: [self.label(str(label)) for label in data[dim].values] for dim in ("output", "input")}
         return data.assign_coords(found)
 
 

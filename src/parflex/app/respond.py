@@ -65,11 +65,6 @@ def frf(
     inputs = labels_of(from_) or [f"{place.name}_f{axis}" for axis in "xyz"]
     outputs = labels_of(to) or [f"{place.name}_{axis}" for axis in "xyz"]
     found = responses(lin, place, inputs, outputs)(omega, structural)
-    for option, wanted, known in (("--from", inputs, found.input), ("--to", outputs, found.output)):
-        for label in wanted:
-            if label not in known.values:
-                words = ", ".join(map(str, known.values))
-                raise InputError(f"{option} names {label!r}, which there is not; there are {words}")
     found = found.sel(input=inputs, output=outputs)
     drawn = plot.bode(found)
     tell_resonances(modes, omega)
@@ -150,26 +145,43 @@ def asked(robot: Path, node: int | None, motors: str, out: Path) -> tuple[str, "
 
 
 def responses(lin: "LinearModel", place: Place, inputs: list[str], outputs: list[str]) -> Any:
-    """The function of omega of all responses that labels may name: of the floor, or of forces.
+    """The function of omega of the responses that labels name, and of others: to the floor, or to forces.
 
-    Raises InputError where both are named together.
+    Raises InputError where both are named together, and for labels that there are not.
     """
     from parflex.linear.figures import transmissibility
-    from parflex.linear.inputs import Actuators, NodeWrench
+    from parflex.linear.inputs import Actuators, BaseAcceleration, NodeWrench
     from parflex.linear.outputs import FramePose, JointMotion, NodeMotion, StrutForce
     from parflex.linear.system import linear_model
 
+    robot = lin.point.mechanism.robot
     floor = [label.startswith(FLOOR) for label in inputs]
     if any(floor):
         if not all(floor):
             raise InputError("--from names the floor and forces together; ask for one after the other")
+        check_labels("--from", inputs, BaseAcceleration().labels(robot))
+        named(place, robot, "--to", outputs, (NodeMotion(*place[1:]),))
         of = transmissibility(lin, place.node, place.offset)
     else:
         seen = [NodeMotion(*place[1:], of=of) for of in ("displacement", "velocity", "acceleration")]
-        pushed = (Actuators(), NodeWrench(*place[1:]))
-        every = (*seen, JointMotion(), StrutForce(), FramePose())
+        pushed = named(place, robot, "--from", inputs, (Actuators(), NodeWrench(*place[1:])))
+        every = named(place, robot, "--to", outputs, (*seen, JointMotion(), StrutForce(), FramePose()))
         of = linear_model(lin.point, pushed, every, lin.feedback).frf
-    return lambda omega, structural: place.named(of(omega, structural=structural))
+    return lambda omega, structural: place.renamed(of(omega, structural=structural))
+
+
+def named(place: Place, robot: Any, option: str, wanted: list[str], signals: Any) -> Any:
+    """The signals, one of whose labels is wanted; raises InputError for labels that none has."""
+    labels = [[place.label(label) for label in signal.labels(robot)] for signal in signals]
+    check_labels(option, wanted, [label for each in labels for label in each])
+    return [signal for signal, each in zip(signals, labels, strict=True) if set(each) & set(wanted)]
+
+
+def check_labels(option: str, wanted: list[str], known: Any) -> None:
+    """Raise InputError for a label that there is not."""
+    for label in wanted:
+        if label not in known:
+            raise InputError(f"{option} names {label!r}, which there is not; there are {', '.join(known)}")
 
 
 def labels_of(text: str) -> list[str]:
