@@ -150,6 +150,13 @@ def test_a_robot_without_a_tool(parflex):
     assert parflex("frf", "bare.toml", "--node", "0")[0] == 0
 
 
+def test_a_rigid_robot_on_locked_motors_answers_nothing(parflex, hexapod):
+    code, _, err = parflex("frf", "robot.toml", "--motors", "locked")
+    assert (code, "nothing swings" in err) == (2, True)
+    code, out, _ = parflex("frf", "robot.toml", "--motors", "locked", "--band", "1..100")
+    assert (code, "nothing answers" in out) == (0, True)
+
+
 def test_help_teaches(parflex):
     for command in ("frf", "lobes"):
         code, out, _ = parflex(command, "--help")

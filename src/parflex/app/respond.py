@@ -244,6 +244,8 @@ def largest(found: Any) -> str:
     size = np.where(alike[..., None], np.abs(found.values), -1.0)
     o, i, w = np.unravel_index(int(np.argmax(size)), size.shape)
     unit = ratio(str(found.output_units.values[o]), str(found.input_units.values[i]))
+    if size[o, i, w] <= 0:
+        return "nothing answers: what would move is held; take other --motors"
     slow, slowest = size[o, i, 0], float(found.frequency.values[0])
     times = f", {size[o, i, w] / slow:.3g} times that at {slowest:.3g} Hz" if slow > 0 else ""
     value, f = f"{size[o, i, w]:.4g} {unit}".removesuffix(" 1"), float(found.frequency.values[w])
