@@ -30,11 +30,11 @@ if TYPE_CHECKING:
     )
     from parflex.export.export import export_c as export_c
     from parflex.files.robot_file import load_robot as load_robot
+    from parflex.files.spectrum_file import load_psd as load_psd
     from parflex.linear.contact import (
         ContactForces as ContactForces,
         Strain as Strain,
     )
-    from parflex.files.spectrum_file import load_psd as load_psd
     from parflex.linear.figures import (
         compliance as compliance,
         dynamic_stiffness as dynamic_stiffness,
@@ -71,7 +71,6 @@ if TYPE_CHECKING:
         natural_frequencies as natural_frequencies,
     )
     from parflex.model.model import Model as Model
-    from parflex.model.sag import sag as sag
     from parflex.model.results import (
         Accelerations as Accelerations,
         DirectJacobian as DirectJacobian,
@@ -79,6 +78,7 @@ if TYPE_CHECKING:
         InverseJacobian as InverseJacobian,
         Reactions as Reactions,
     )
+    from parflex.model.sag import sag as sag
     from parflex.robot.bar import Bar as Bar
     from parflex.robot.base_motion import BaseMotion as BaseMotion
     from parflex.robot.beam import beam as beam
@@ -120,8 +120,8 @@ _NAMES = {  # of each module; loaded at first use, so that `import parflex` is q
     "OutOfReach PartialRun SingularPose UnstableEquilibrium",
     "export.export": "export_c",
     "files.robot_file": "load_robot",
-    "linear.contact": "ContactForces Strain",
     "files.spectrum_file": "load_psd",
+    "linear.contact": "ContactForces Strain",
     "linear.figures": "compliance dynamic_stiffness transmissibility",
     "linear.inputs": "Actuators BaseAcceleration NodeWrench Reference",
     "linear.lobes": "stability_lobes",
