@@ -10,8 +10,9 @@ from rich.markup import escape
 from parflex.app.commands import RobotPath, table_of
 from parflex.app.places import Band, Node, Place, band_of, frequencies, place_of, resonances, span_of
 from parflex.app.terminal import ImageFormat, Out, check_format, check_writable, console
-from parflex.app.vibrate import Motors, held, known_motors
+from parflex.app.vibrate import Motors, known_motors
 from parflex.base.errors import InputError
+from parflex.simulation.holding import held
 
 if TYPE_CHECKING:
     from parflex.linear.system import LinearModel
