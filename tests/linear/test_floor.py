@@ -154,3 +154,18 @@ def test_on_a_base_that_accelerates():
     assert np.allclose(lin.frf(omega), expected.frf(omega), rtol=1e-7)
     with pytest.raises(pf.InputError, match="state moves relative to base, by 0.5"):
         model.linearise(replace(state, twist=np.zeros(6)), forces, base=base)
+
+
+def test_effective_masses_are_the_mass():
+    """Of a platform on legs without mass: what swings in all modes is its mass, and its inertia about the
+    base's origin; modes of the centre hold all of the first (Preumont)."""
+    robot, offset = cubic(1e-7, K, L, M, INERTIA)
+    lin = at_rest(robot)[-1]
+    found = lin.modes().participation
+    assert np.allclose(found.sum("mode").values[:3], M, rtol=1e-5)
+    centre = robot.home.position + robot.platform.nodes[0] + offset
+    about = np.array(INERTIA) + M * (centre @ centre - centre**2)
+    assert np.allclose(found.sum("mode").values[3:], about, rtol=1e-5)
+    slides = found.values[:, :3]  # the three lowest, of one frequency, are those of the centre
+    assert np.allclose(slides[:3].sum(axis=1), M, rtol=1e-4)
+    assert np.allclose(slides[3:], 0.0, atol=1e-4)

@@ -8,8 +8,10 @@ from parflex.analysis.statics import firmness
 from parflex.base.array import Array
 from parflex.linear.matrices import Matrices
 from parflex.linear.point import Point
+from parflex.linear.signal import AXES
 from parflex.mechanics.closure import actuated_rows
 
+SAME = 1e-9  # of poles that differ by round-off
 HELD = 1e-6  # of the energies of the parts: the sum of a motion that springs hold
 PARTS = ("platform", "legs", "drives", "other")
 
@@ -20,9 +22,10 @@ def modes_of(lin: Matrices) -> Any:
     frequency (mode) Hz is |λ| / 2π, damping −Re λ / |λ|, growth Re λ 1/s; pole_real and pole_imag (mode) 1/s
     are λ; share (mode, part) of the energy of deformation in the platform, the links of legs, the drives
     (their compliance in series, springs beside motors, servos), and all else (flexures, other springs,
-    gravity, which may soften); shape and shape_imag (mode, coordinate) displace Σp in Σp, the platform's
-    modes and all coordinates of the legs, scaled to a largest displacement of Σp of one metre or one radian,
-    which is real.
+    gravity, which may soften); participation (mode, direction) kg and kg m² is the effective mass that swings
+    when the base moves along, or turns about, an axis of Σ0; shape and shape_imag (mode, coordinate) displace
+    Σp in Σp, the platform's modes and all coordinates of the legs, scaled to a largest displacement of Σp of
+    one metre or one radian, which is real.
     """
     import xarray as xr
 
@@ -30,7 +33,7 @@ def modes_of(lin: Matrices) -> Any:
     values, vectors = np.linalg.eig(lin.own)
     upper = np.flatnonzero(values.imag >= 0)
     order = upper[np.lexsort((values[upper].imag, np.abs(values[upper])))]
-    values, zeta = values[order], vectors[:d, order].T
+    values, zeta = values[order], apart(values[order], vectors[:d, order]).T
     shapes = turned_real(zeta @ point.T.T)
     size = np.abs(values)
     share = shares(point, zeta, np.zeros((d, d)) if lin.feedback is None else lin.feedback.K)
@@ -41,6 +44,12 @@ def modes_of(lin: Matrices) -> Any:
         "pole_real": (("mode",), values.real, "1/s", "real part of the pole"),
         "pole_imag": (("mode",), values.imag, "1/s", "imaginary part of the pole"),
         "share": (("mode", "part"), share, "1", "share of the energy of deformation"),
+        "participation": (
+            ("mode", "direction"),
+            participation(point, zeta),
+            "kg, kg m2",
+            "effective mass of motions of the base",
+        ),
         "shape": (("mode", "coordinate"), shapes.real, "m, rad", "displacements, real part"),
         "shape_imag": (("mode", "coordinate"), shapes.imag, "m, rad", "displacements, imaginary part"),
     }
@@ -51,9 +60,22 @@ def modes_of(lin: Matrices) -> Any:
     coords = {
         "mode": np.arange(1, len(order) + 1),
         "part": list(PARTS),
+        "direction": list(AXES),
         "coordinate": list(coordinate_names(point)),
     }
     return xr.Dataset(data, coords)
+
+
+def apart(values: Array, zeta: Array) -> Array:
+    """Motions ζ (d, n) of poles (n,) in order, those of one and the same pole at right angles to each other:
+    any directions of theirs are modes."""
+    found, first = zeta.astype(complex), 0
+    for last in range(1, len(values) + 1):
+        if last == len(values) or abs(values[last] - values[first]) > SAME * abs(values[first]):
+            if last - first > 1:
+                found[:, first:last] = np.linalg.qr(found[:, first:last])[0]
+            first = last
+    return found
 
 
 def turned_real(shapes: Array) -> Array:
@@ -64,6 +86,14 @@ def turned_real(shapes: Array) -> Array:
     which = np.where(stands, np.argmax(rest, axis=1), np.argmax(pose, axis=1))
     largest = np.take_along_axis(shapes, which[:, None], axis=1)
     found: Array = shapes / np.where(largest == 0, 1.0, largest)
+    return found
+
+
+def participation(point: Point, zeta: Array) -> Array:
+    """(n, 6), the effective masses |ζᴴ b|² of motions ζ (n, d), complex and taken of length one; a base that
+    accelerates drives them by b."""
+    lengths = np.sqrt(np.sum(np.abs(zeta) ** 2, axis=1))[:, None]
+    found: Array = np.abs(zeta.conj() @ point.by_base / np.where(lengths > 0, lengths, 1.0)) ** 2
     return found
 
 
