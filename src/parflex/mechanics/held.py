@@ -5,7 +5,6 @@ from functools import lru_cache
 
 from parflex.mechanics.mechanism import Mechanism
 from parflex.mechanics.redundancy import solvable
-from parflex.robot.leg import Tip
 from parflex.robot.robot import Robot
 
 
@@ -22,12 +21,4 @@ def held(mechanism: Mechanism) -> Mechanism:
 @lru_cache(maxsize=32)
 def holding(robot: Robot) -> Mechanism:
     """The mechanism of a robot whose soft tips hold the platform."""
-    legs = [replace(leg, tips=[hard(tip) for tip in leg.tips]) for leg in robot.legs]
-    return solvable(replace(robot, legs=legs))
-
-
-def hard(tip: Tip) -> Tip:
-    """The tip that does not leave the platform's point."""
-    if tip.flexure is None or not tip.flexure.soft:
-        return tip
-    return replace(tip, flexure=replace(tip.flexure, translation=None, translation_damping=None))
+    return solvable(replace(robot, legs=[leg.holding for leg in robot.legs]))

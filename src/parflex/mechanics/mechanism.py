@@ -91,11 +91,7 @@ class Mechanism:
     @cached_property
     def tight(self) -> "Mechanism":
         """The mechanism of the robot whose soft tips hold the platform: its legs may close by themselves."""
-        legs = []
-        for leg in self.robot.legs:
-            tips = [replace(tip, flexure=None) if tip.soft else tip for tip in leg.tips]
-            legs.append(replace(leg, tips=tips))
-        return mechanism_of(replace(self.robot, legs=legs))
+        return mechanism_of(replace(self.robot, legs=[leg.holding for leg in self.robot.legs]))
 
     @cached_property
     def closed(self) -> bool:

@@ -1,7 +1,7 @@
 """A leg: the table of its joints, its tips, and its place on the base."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
 
 import numpy as np
@@ -155,6 +155,13 @@ class Tip:
         """True where its flexure lets it leave the platform's point."""
         return self.flexure is not None and self.flexure.soft
 
+    @property
+    def holding(self) -> "Tip":
+        """The tip that does not leave the platform's point; itself where it is not soft."""
+        if self.flexure is None or not self.flexure.soft:
+            return self
+        return replace(self, flexure=replace(self.flexure, translation=None, translation_damping=None))
+
 
 @dataclass(frozen=True, eq=False)
 class Leg:
@@ -217,6 +224,11 @@ class Leg:
     def soft(self) -> bool:
         """True where a tip is soft."""
         return any(tip.soft for tip in self.tips)
+
+    @property
+    def holding(self) -> "Leg":
+        """The leg whose tips do not leave the platform's points; itself where none is soft."""
+        return replace(self, tips=[tip.holding for tip in self.tips]) if self.soft else self
 
     @property
     def size(self) -> int:
