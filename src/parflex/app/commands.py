@@ -44,6 +44,7 @@ def init(
     console.print(f"wrote {', '.join(names)}")
     console.print(f"now: parflex check {names[0]}")
     console.print(f"     parflex simulate {names[0]} --trajectory {names[1]}")
+    console.print(f"     parflex vibrate {names[0]}")
 
 
 def check(robot: RobotPath, out: Out = Path("parflex-check"), image: ImageFormat = "png") -> None:

@@ -1,5 +1,6 @@
 """The commands that tell what a machine's point does under forces: frequency responses, stability lobes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -156,25 +157,29 @@ def responses(lin: "LinearModel", place: Place, inputs: list[str], outputs: list
     from parflex.linear.system import linear_model
 
     robot = lin.point.mechanism.robot
+    of_floor = BaseAcceleration().labels(robot)
     floor = [label.startswith(FLOOR) for label in inputs]
     if any(floor):
         if not all(floor):
             raise InputError("--from names the floor and forces together; ask for one after the other")
-        check_labels("--from", inputs, BaseAcceleration().labels(robot))
+        check_labels("--from", inputs, of_floor)
         named(place, robot, "--to", outputs, (NodeMotion(*place[1:]),))
         of = transmissibility(lin, place.node, place.offset)
     else:
         seen = [NodeMotion(*place[1:], of=of) for of in ("displacement", "velocity", "acceleration")]
-        pushed = named(place, robot, "--from", inputs, (Actuators(), NodeWrench(*place[1:])))
+        pushed = named(place, robot, "--from", inputs, (Actuators(), NodeWrench(*place[1:])), of_floor)
         every = named(place, robot, "--to", outputs, (*seen, JointMotion(), StrutForce(), FramePose()))
         of = linear_model(lin.point, pushed, every, lin.feedback).frf
     return lambda omega, structural: place.renamed(of(omega, structural=structural))
 
 
-def named(place: Place, robot: Any, option: str, wanted: list[str], signals: Any) -> Any:
-    """The signals, one of whose labels is wanted; raises InputError for labels that none has."""
+def named(
+    place: Place, robot: Any, option: str, wanted: list[str], signals: Any, others: Sequence[str] = ()
+) -> Any:
+    """The signals, one of whose labels is wanted; raises InputError for labels that none has, which tells
+    others that there are, too."""
     labels = [[place.label(label) for label in signal.labels(robot)] for signal in signals]
-    check_labels(option, wanted, [label for each in labels for label in each])
+    check_labels(option, wanted, [*(label for each in labels for label in each), *others])
     return [signal for signal, each in zip(signals, labels, strict=True) if set(each) & set(wanted)]
 
 
