@@ -33,7 +33,8 @@ def compliance(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) ->
     """
     of_type("lin", lin, LinearModel)
     inputs, outputs = (NodeWrench(node, offset),), (NodeMotion(node, offset),)
-    return linear_model(lin.point, inputs, outputs, lin.feedback).frf
+    given = linear_model(lin.point, inputs, outputs, lin.feedback).frf
+    return lambda omega, structural=0.0: given(omega, structural).rename("compliance")
 
 
 def dynamic_stiffness(lin: LinearModel, node: int, offset: Offset = (0.0, 0.0, 0.0)) -> OfFrequency:
